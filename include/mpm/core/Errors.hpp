@@ -1,0 +1,25 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace mpm {
+
+/// What the process returns to the shell; the numbers are part of the interface.
+enum class ExitCode : int { finished = 0, bad_input = 2, numerical_failure = 3, stopped_early = 75 };
+
+/// Input that cannot be run: names the option, the value given, what is allowed and the remedy.
+/// Thrown before the first step and identically on all ranks.
+class BadInput : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The run cannot go on (NaN, lost particle, collapsed time step, failed write).
+/// Thrown on all ranks together, after they have agreed on it.
+class NumericalFailure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace mpm
