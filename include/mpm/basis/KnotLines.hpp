@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace mpm::basis {
+
+/// The grid lines of one direction, x_0 < x_1 < ... < x_n in metres, and the cells between them.
+class KnotLines {
+ public:
+  /// Throws BadInput unless there are at least two finite, strictly increasing positions.
+  explicit KnotLines(std::vector<double> positions);
+
+  /// n equal cells from `begin` to `end`.
+  static KnotLines uniform(double begin, double end, int cells);
+
+  int cells() const { return static_cast<int>(m_positions.size()) - 1; }
+  double begin() const { return m_positions.front(); }
+  double end() const { return m_positions.back(); }
+  double line(int k) const { return m_positions[static_cast<std::size_t>(k)]; }
+  double width(int cell) const { return line(cell + 1) - line(cell); }
+  double smallest_width() const { return m_smallest_width; }
+  bool is_uniform() const { return m_uniform; }
+  const std::vector<double>& positions() const { return m_positions; }
+
+  /// The cell that holds x; -1 below the first line, cells() above the last, NaN gives -1.
+  int cell_of(double x) const {
+    if (!(x >= begin())) return -1;
+    if (x >= end()) return x > end() ? cells() : cells() - 1;
+    int cell = m_first_cell_of_bin[static_cast<std::size_t>((x - begin()) * m_bins_per_length)];
+    while (x >= line(cell + 1)) ++cell;
+    while (x < line(cell)) --cell;
+    return cell;
+  }
+
+ private:
+  std::vector<double> m_positions;
+  double m_smallest_width;
+  bool m_uniform;
+  double m_bins_per_length;
+  /// Bins of equal width, narrower than any cell: a look-up is one or two comparisons.
+  std::vector<int> m_first_cell_of_bin;
+};
+
+}  // namespace mpm::basis

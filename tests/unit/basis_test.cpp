@@ -1,0 +1,129 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "mpm/basis/BSpline.hpp"
+#include "mpm/core/Errors.hpp"
+
+namespace mpm::basis {
+namespace {
+
+KnotLines graded() {
+  return KnotLines({-0.3, 0.1, 0.55, 1.2, 2.3, 2.9, 3.1, 4.0});
+}
+
+std::vector<double> probes(const KnotLines& lines) {
+  std::vector<double> x;
+  for (int cell = 0; cell < lines.cells(); ++cell)
+    for (double xi : {0.0, 0.13, 0.5, 0.97}) x.push_back(lines.line(cell) + xi * lines.width(cell));
+  x.push_back(lines.end());
+  return x;
+}
+
+template <class Check>
+void for_every_basis(const Check& check) {
+  for (const KnotLines& lines : {KnotLines::uniform(-1.3, 2.4, 7), graded()})
+    for (EndTreatment ends : {EndTreatment::mirror, EndTreatment::open_knot}) {
+      check(BSpline<1>(lines, ends));
+      check(BSpline<2>(lines, ends));
+      check(BSpline<3>(lines, ends));
+    }
+}
+
+TEST(Basis, weights_sum_to_one_and_gradients_to_zero_up_to_every_wall) {
+  for_every_basis([](const auto& basis) {
+    for (double x : probes(basis.lines())) {
+      typename std::decay_t<decltype(basis)>::Values N, dN;
+      basis.evaluate(basis.lines().cell_of(x), x, N, dN);
+      EXPECT_NEAR(std::accumulate(N.begin(), N.end(), 0.0), 1.0, 1e-14);
+      EXPECT_NEAR(std::accumulate(dN.begin(), dN.end(), 0.0), 0.0, 1e-12);
+    }
+  });
+}
+
+TEST(Basis, linear_fields_at_greville_abscissae_are_reproduced_up_to_every_wall) {
+  for_every_basis([](const auto& basis) {
+    const NodeLine nodes = basis.nodes();
+    for (double x : probes(basis.lines())) {
+      typename std::decay_t<decltype(basis)>::Values N, dN;
+      const int cell = basis.lines().cell_of(x);
+      basis.evaluate(cell, x, N, dN);
+      double position = 0.0, slope = 0.0;
+      for (int a = 0; a < basis.support; ++a) {
+        const auto I = static_cast<std::size_t>(basis.first_node(cell) + a);
+        position += N[a] * nodes.positions[I];
+        slope += dN[a] * nodes.positions[I];
+      }
+      EXPECT_NEAR(position, x, 1e-14 * 4.0);
+      EXPECT_NEAR(slope, 1.0, 1e-12);
+    }
+  });
+}
+
+TEST(Basis, gradients_are_the_derivatives_of_the_weights) {
+  for_every_basis([](const auto& basis) {
+    const KnotLines& lines = basis.lines();
+    for (int cell = 0; cell < lines.cells(); ++cell) {
+      const double x = lines.line(cell) + 0.41 * lines.width(cell), step = 1e-6;
+      typename std::decay_t<decltype(basis)>::Values N, dN, below, above, unused;
+      basis.evaluate(cell, x, N, dN);
+      basis.evaluate(cell, x - step, below, unused);
+      basis.evaluate(cell, x + step, above, unused);
+      for (int a = 0; a < basis.support; ++a)
+        EXPECT_NEAR(dN[a], (above[a] - below[a]) / (2 * step), 1e-8);
+    }
+  });
+}
+
+TEST(Basis, cubic_splines_on_equal_cells_are_the_cardinal_ones) {
+  const BSpline<3> basis(KnotLines::uniform(0.0, 3.0, 6), EndTreatment::mirror);
+  BSpline<3>::Values N, dN;
+  basis.evaluate(2, 1.0, N, dN);
+  EXPECT_NEAR(N[0], 1.0 / 6, 1e-15);
+  EXPECT_NEAR(N[1], 4.0 / 6, 1e-15);
+  EXPECT_NEAR(N[2], 1.0 / 6, 1e-15);
+  EXPECT_NEAR(N[3], 0.0, 1e-15);
+  EXPECT_NEAR(dN[0], -0.5 / 0.5, 1e-14);
+}
+
+TEST(Basis, mirrored_splines_fold_onto_their_reflection_at_both_walls) {
+  const BSpline<3> basis(graded(), EndTreatment::mirror);
+  const KnotLines& lines = basis.lines();
+  const NodeLine nodes = basis.nodes();
+  EXPECT_EQ(nodes.reflected(0), 2);
+  EXPECT_NEAR(nodes.positions[0] - lines.begin(), lines.begin() - nodes.positions[2], 1e-14);
+  const auto last = static_cast<std::size_t>(nodes.count() - 1);
+  EXPECT_NEAR(nodes.positions[last] - lines.end(), lines.end() - nodes.positions[last - 2], 1e-14);
+}
+
+TEST(Basis, an_open_end_interpolates_at_the_wall) {
+  const BSpline<3> basis(graded(), EndTreatment::open_knot);
+  BSpline<3>::Values N, dN;
+  basis.evaluate(0, basis.lines().begin(), N, dN);
+  EXPECT_NEAR(N[0], 1.0, 1e-15);
+  EXPECT_NEAR(basis.nodes().positions[0], basis.lines().begin(), 1e-15);
+}
+
+TEST(KnotLines, the_cell_of_a_point_lies_around_it_and_outside_is_told) {
+  const KnotLines lines = graded();
+  for (double x : probes(lines)) {
+    const int cell = lines.cell_of(x);
+    ASSERT_GE(cell, 0);
+    ASSERT_LT(cell, lines.cells());
+    EXPECT_GE(x, lines.line(cell));
+    EXPECT_LE(x, lines.line(cell + 1));
+  }
+  EXPECT_EQ(lines.cell_of(-0.31), -1);
+  EXPECT_EQ(lines.cell_of(4.01), lines.cells());
+  EXPECT_EQ(lines.cell_of(std::nan("")), -1);
+}
+
+TEST(KnotLines, lines_that_do_not_increase_are_refused) {
+  EXPECT_THROW(KnotLines({0.0, 1.0, 1.0}), BadInput);
+  EXPECT_THROW(KnotLines({0.0}), BadInput);
+  EXPECT_THROW(BSpline<3>(KnotLines::uniform(0, 1, 2), EndTreatment::mirror), BadInput);
+}
+
+}  // namespace
+}  // namespace mpm::basis
