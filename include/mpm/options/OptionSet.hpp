@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,40 +9,27 @@
 #include <utility>
 #include <vector>
 
+#include "mpm/options/Given.hpp"
+#include "mpm/options/Range.hpp"
+
 namespace mpm::options {
 
 /// What users read about an option; `source` says where the default comes from.
 struct About {
-  std::string unit;      ///< SI unit, "1" when dimensionless
-  std::string sentence;  ///< one sentence
-  std::string source;    ///< e.g. "Table 1", "Eq. 12", "chosen: see docs/model.md"
-};
+  std::string unit;       ///< SI unit, "1" when dimensionless
+  std::string sentence;   ///< one sentence
+  std::string source;     ///< e.g. "Table 1", "Eq. 12", "chosen: see docs/model.md"
+  bool required = false;  ///< no default: `assign` refuses a run without it
 
-/// Allowed interval; `open_*` excludes the end itself.
-template <class Number>
-struct Range {
-  Number minimum = std::numeric_limits<Number>::lowest();
-  Number maximum = std::numeric_limits<Number>::max();
-  bool open_minimum = false;
-  bool open_maximum = false;
-};
-using RealRange = Range<double>;
-using IntegerRange = Range<std::int64_t>;
-
-inline RealRange positive() { return {.minimum = 0.0, .open_minimum = true}; }
-inline RealRange not_negative() { return {.minimum = 0.0}; }
-inline RealRange between(double minimum, double maximum) { return {minimum, maximum}; }
-
-/// One option as given, with the place it came from for messages ("command line",
-/// "input/pipe.opts:12").
-struct Given {
-  std::string name;  ///< without the leading dash
-  std::string value;
-  std::string origin;
+  bool is_dimensionless() const { return unit.empty() || unit == "1"; }
 };
 
 /// The options of a run, each declared once. The value bound at declaration is the default;
-/// `assign` overwrites it. Names are given without the leading dash.
+/// `assign` overwrites it. Names are given without the leading dash. Empty text and empty lists
+/// mean "not set". Bound variables must outlive the set.
+///
+/// Programming errors throw std::logic_error: a name declared twice or belonging to PETSc, a
+/// default that is not allowed, a question about an undeclared name.
 class OptionSet {
  public:
   /// Following declarations belong to this heading of help and reference.
@@ -52,20 +38,24 @@ class OptionSet {
   void real(std::string name, double& value, RealRange allowed, About about);
   void integer(std::string name, std::int64_t& value, IntegerRange allowed, About about);
   void text(std::string name, std::string& value, About about);
-  void flag(std::string name, bool& value, About about);  ///< values true|false
+  /// Values true|false; the bare name means true.
+  void flag(std::string name, bool& value, About about);
   void real_list(std::string name, std::vector<double>& value, RealRange allowed, About about);
   /// No default value: `when_absent` says what holds then ("tan(0.6 phi_c)").
   void optional_real(std::string name, std::optional<double>& value, RealRange allowed,
                      std::string when_absent, About about);
   template <class Enum>
-  void choice(std::string name, Enum& value,
-              std::vector<std::pair<std::string, Enum>> alternatives, About about);
+  void choice(std::string name, Enum& value, std::vector<std::pair<std::string, Enum>> alternatives,
+              About about);
 
   /// Parses and checks what was given. Throws BadInput that names the option, the value, what is
   /// allowed, and for an unknown name the nearest declared one.
   void assign(std::span<const Given> given);
 
   bool is_given(std::string_view name) const;
+  /// Present value and where it came from ("default" when not given), to refuse it with
+  /// `bad_input`.
+  Given given(std::string_view name) const;
 
   /// Aligned plain text for -help.
   std::string help() const;
@@ -73,27 +63,42 @@ class OptionSet {
   std::string markdown() const;
   /// Every option with its present value as an options file that reproduces the run.
   std::string used() const;
-  /// Name and present value of every option (text as in an options file), in declared order.
+  /// Name and present value of every option (empty when not set), in declared order.
   std::vector<std::pair<std::string, std::string>> values() const;
 
  private:
   struct Option {
-    std::string section;
     std::string name;
-    std::string kind;     ///< "real", "integer", ... for help
-    std::string allowed;  ///< readable range or list of words
-    std::string initial;  ///< default as text
+    std::string allowed;  ///< kind and readable range, or list of words
     About about;
-    std::function<void(const Given&)> parse;      ///< throws BadInput
-    std::function<std::string()> present;         ///< present value as text, empty if unset
-    bool given = false;
+    std::function<std::string(std::string_view)> read;  ///< returns what is wrong, else empty
+    std::function<std::string()> present;               ///< present value, empty if not set
+    std::string when_absent = "not set";                ///< what holds without a value
+    std::string when_bare = {};                         ///< the value a name without one stands for
+    std::string section = {};
+    std::string initial = {};  ///< the default for readers
+    std::string origin = {};   ///< empty unless given
   };
   void add(Option option);
+  template <class Number>
+  void number(std::string name, Number& value, Range<Number> allowed, About about);
   void choice_of_words(std::string name, std::vector<std::string> words,
-                       std::function<void(std::size_t)> select,
-                       std::function<std::size_t()> selected, About about);
+                       const std::function<void(std::size_t)>& select,
+                       const std::function<std::size_t()>& selected, About about);
+  const Option* find(std::string_view name) const;
+  const Option& declared(std::string_view name) const;
+  Option& known(const Given& given);
+  static void set(Option& option, const Given& given);
+  void check_required() const;
 
-  std::string m_section;
+  static Refusal refuse(const Option& option, const Given& given, std::string fault);
+  static std::string help_entry(const Option& option, std::size_t head_width,
+                                std::size_t unit_width);
+  static std::string used_line(const Option& option);
+  std::string by_section(const std::function<std::string(const std::string&)>& heading,
+                         const std::function<std::string(const Option&)>& entry) const;
+
+  std::string m_section = "General";
   std::vector<Option> m_options;
 };
 

@@ -1,0 +1,206 @@
+#include "mpm/options/OptionSet.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <type_traits>
+
+#include "mpm/options/CommandLine.hpp"
+#include "mpm/options/Nearest.hpp"
+
+namespace mpm::options {
+namespace {
+
+template <class Number>
+std::string allowed_text(std::string_view kind, const Range<Number>& range) {
+  const std::string limits = describe(range);
+  return limits.empty() ? std::string(kind) : fmt::format("{}, {}", kind, limits);
+}
+
+bool breaks_options_files(char c) {
+  const auto byte = static_cast<unsigned char>(c);
+  return c == '"' || byte < 0x20 || byte == 0x7f;
+}
+
+std::string read_text(std::string_view text, std::string& value) {
+  if (std::ranges::any_of(text, breaks_options_files))
+    return "has a double quote or a control character in it";
+  value = text;
+  return {};
+}
+
+std::string read_flag(std::string_view text, bool& value) {
+  if (text != "true" && text != "false") return "is neither true nor false";
+  value = text == "true";
+  return {};
+}
+
+}  // namespace
+
+void OptionSet::section(std::string title) {
+  m_section = std::move(title);
+}
+
+template <class Number>
+void OptionSet::number(std::string name, Number& value, Range<Number> allowed, About about) {
+  add({.name = std::move(name),
+       .allowed = allowed_text(std::is_same_v<Number, double> ? "real" : "integer", allowed),
+       .about = std::move(about),
+       .read = [allowed, &value](auto text) { return options::read(text, allowed, value); },
+       .present = [&value] { return fmt::format("{}", value); }});
+}
+
+void OptionSet::real(std::string name, double& value, RealRange allowed, About about) {
+  number(std::move(name), value, allowed, std::move(about));
+}
+
+void OptionSet::integer(std::string name, std::int64_t& value, IntegerRange allowed, About about) {
+  number(std::move(name), value, allowed, std::move(about));
+}
+
+void OptionSet::text(std::string name, std::string& value, About about) {
+  add({.name = std::move(name),
+       .allowed = "text",
+       .about = std::move(about),
+       .read = [&value](auto text) { return read_text(text, value); },
+       .present = [&value] { return value; }});
+}
+
+void OptionSet::flag(std::string name, bool& value, About about) {
+  add({.name = std::move(name),
+       .allowed = "true | false",
+       .about = std::move(about),
+       .read = [&value](auto text) { return read_flag(text, value); },
+       .present = [&value] { return fmt::format("{}", value); },
+       .when_bare = "true"});
+}
+
+void OptionSet::real_list(std::string name, std::vector<double>& value, RealRange allowed,
+                          About about) {
+  add({.name = std::move(name),
+       .allowed = allowed_text("reals separated by commas", allowed),
+       .about = std::move(about),
+       .read = [allowed, &value](auto text) { return options::read(text, allowed, value); },
+       .present = [&value] { return fmt::format("{}", fmt::join(value, ",")); }});
+}
+
+void OptionSet::optional_real(std::string name, std::optional<double>& value, RealRange allowed,
+                              std::string when_absent, About about) {
+  const auto read = [allowed, &value](std::string_view text) {
+    double number = 0.0;
+    std::string fault = options::read(text, allowed, number);
+    if (fault.empty()) value = number;
+    return fault;
+  };
+  add({.name = std::move(name),
+       .allowed = allowed_text("real", allowed),
+       .about = std::move(about),
+       .read = read,
+       .present = [&value] { return value ? fmt::format("{}", *value) : std::string{}; },
+       .when_absent = std::move(when_absent)});
+}
+
+void OptionSet::choice_of_words(std::string name, std::vector<std::string> words,
+                                const std::function<void(std::size_t)>& select,
+                                const std::function<std::size_t()>& selected, About about) {
+  const auto read = [words, select](std::string_view text) -> std::string {
+    const auto word = std::ranges::find(words, text);
+    if (word == words.end())
+      return fmt::format("is not one of the choices, the nearest is {}", nearest(text, words));
+    select(static_cast<std::size_t>(word - words.begin()));
+    return {};
+  };
+  add({.name = std::move(name),
+       .allowed = fmt::format("{}", fmt::join(words, " | ")),
+       .about = std::move(about),
+       .read = read,
+       .present = [words, selected] { return words.at(selected()); }});
+}
+
+void OptionSet::add(Option option) {
+  const auto refuse_declaration = [&option](std::string_view why) {
+    throw std::logic_error(fmt::format("option -{}: {}", option.name, why));
+  };
+  if (find(option.name) != nullptr) refuse_declaration("declared twice");
+  if (is_reserved(option.name)) refuse_declaration("the name is taken by PETSc or the program");
+
+  const std::string value = option.present();
+  if (!value.empty()) {
+    const std::string fault = option.read(value);
+    if (!fault.empty()) refuse_declaration(fmt::format("the default {} {}", value, fault));
+  }
+  option.section = m_section;
+  option.initial = value.empty() ? option.when_absent : value;
+  if (option.about.required) option.initial = "required";
+  m_options.push_back(std::move(option));
+}
+
+void OptionSet::assign(std::span<const Given> given) {
+  for (const Given& one : given) set(known(one), one);
+  check_required();
+}
+
+void OptionSet::set(Option& option, const Given& given) {
+  const std::string& value = given.value.empty() ? option.when_bare : given.value;
+  const std::string fault = value.empty() ? "needs a value" : option.read(value);
+  if (!fault.empty()) throw bad_input(refuse(option, given, fault));
+  option.origin = given.origin;
+}
+
+void OptionSet::check_required() const {
+  for (const Option& option : m_options)
+    if (option.about.required && option.origin.empty())
+      throw bad_input(refuse(option, {option.name, "", "not given"}, "is required"));
+}
+
+Refusal OptionSet::refuse(const Option& option, const Given& given, std::string fault) {
+  const std::string unit = option.about.is_dimensionless() ? "" : ", in " + option.about.unit;
+  const std::string remedy =
+      option.about.required
+          ? fmt::format("give it as -{} VALUE", option.name)
+          : fmt::format("correct it, or leave it out for the default: {}", option.initial);
+  return {given, std::move(fault), option.allowed + unit, remedy};
+}
+
+const OptionSet::Option* OptionSet::find(std::string_view name) const {
+  const auto found = std::ranges::find(m_options, name, &Option::name);
+  return found == m_options.end() ? nullptr : &*found;
+}
+
+const OptionSet::Option& OptionSet::declared(std::string_view name) const {
+  const Option* option = find(name);
+  if (option == nullptr) throw std::logic_error(fmt::format("option -{} is not declared", name));
+  return *option;
+}
+
+OptionSet::Option& OptionSet::known(const Given& given) {
+  const auto found = std::ranges::find(m_options, given.name, &Option::name);
+  if (found != m_options.end()) return *found;
+
+  std::vector<std::string> names;
+  for (const Option& option : m_options) names.push_back(option.name);
+  names.insert(names.end(), {"options_file", "help", "version"});
+  throw bad_input({.given = given,
+                   .fault = "is an unknown option",
+                   .allowed = "the options that -help lists",
+                   .remedy = fmt::format("the nearest is -{}", nearest(given.name, names))});
+}
+
+bool OptionSet::is_given(std::string_view name) const {
+  return !declared(name).origin.empty();
+}
+
+Given OptionSet::given(std::string_view name) const {
+  const Option& option = declared(name);
+  return {option.name, option.present(), option.origin.empty() ? "default" : option.origin};
+}
+
+std::vector<std::pair<std::string, std::string>> OptionSet::values() const {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const Option& option : m_options) all.emplace_back(option.name, option.present());
+  return all;
+}
+
+}  // namespace mpm::options
