@@ -71,6 +71,9 @@ class Material {
   /// Sets the state of every particle of the batch to that of soil resting under its stress.
   /// Throws BadInput if the law admits no such stress.
   virtual void initialise_from_stress(const Batch& batch) const = 0;
+
+  /// Number of particles whose law is held by a numerical limit (pressure floor, caps).
+  virtual std::size_t count_at_limits(const Batch&) const { return 0; }
 };
 
 /// Options of a law and the law made from them.

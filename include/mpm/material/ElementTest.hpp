@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "mpm/material/Material.hpp"
+
+namespace mpm::material {
+
+/// What is prescribed of one component during an increment; the other follows from the law.
+enum class Control { strain, stress };
+
+/// A part of a loading path. Tension positive, components as in SymmetricTensor.
+struct MixedIncrement {
+  std::array<Control, SymmetricTensor::size> control{};
+  SymmetricTensor change;  ///< of strain, or of stress in Pa, as `control` says
+};
+
+/// One material point under mixed control, without grid.
+class MaterialPoint {
+ public:
+  /// Starts from the isotropic stress -`pressure`, Pa. Throws BadInput where the law does.
+  MaterialPoint(const Material& material, double pressure);
+
+  /// Follows the increment in small steps, each solved for the controlled stresses. Throws
+  /// NumericalFailure where the law cannot follow.
+  void apply(const MixedIncrement& increment);
+
+  const SymmetricTensor& stress() const { return m_stress; }  ///< Pa, tension positive
+  const SymmetricTensor& strain() const { return m_strain; }  ///< logarithmic, tension positive
+  /// Present value of a state variable, 0 for a law without it.
+  double state(std::string_view name) const;
+
+ private:
+  struct Response {
+    SymmetricTensor stress;
+    std::vector<double> state;
+  };
+  using Matrix = std::array<SymmetricTensor, SymmetricTensor::size>;
+
+  void step(const MixedIncrement& increment, int halvings);
+  bool solve(const MixedIncrement& increment, bool renew_tangent);
+  Response respond(const SymmetricTensor& strain_increment) const;
+  SymmetricTensor first_guess(const MixedIncrement& increment) const;
+  SymmetricTensor misfit(const MixedIncrement& increment, const SymmetricTensor& strain,
+                         const SymmetricTensor& stress) const;
+  Matrix tangent(const MixedIncrement& increment, const SymmetricTensor& strain) const;
+  double number_of_steps(const MixedIncrement& increment) const;
+
+  const Material& m_material;
+  SymmetricTensor m_stress;
+  SymmetricTensor m_strain;
+  std::vector<double> m_state;
+  SymmetricTensor m_last_step;  ///< strain increment of the step before
+  Matrix m_tangent{};
+};
+
+enum class ElementTestKind {
+  triaxial_compression,
+  triaxial_extension,
+  plane_strain,
+  simple_shear_constant_volume,
+  oedometer
+};
+
+struct ElementTestSettings {
+  ElementTestKind kind = ElementTestKind::triaxial_compression;
+  double confining_pressure = 150e3;  ///< Pa, the initial isotropic p in every test
+  double strain_end = 0.3;            ///< axial, or engineering shear strain; a magnitude
+  std::size_t increments = 150;
+};
+
+/// Compression positive.
+struct ElementTestRow {
+  double axial_strain;  ///< logarithmic; engineering shear strain in simple shear
+  double q;             ///< Pa
+  double p;             ///< Pa
+  double volumetric_strain;
+  double void_ratio;      ///< 0 for a law without voids
+  double lode_angle_deg;  ///< -30 in triaxial compression, 0 where q vanishes
+};
+
+/// Row 0 is the initial state, then one row per increment. Throws BadInput where the settings make
+/// no sense and NumericalFailure where the law cannot follow.
+std::vector<ElementTestRow> run_element_test(const Material& material,
+                                             const ElementTestSettings& settings);
+
+}  // namespace mpm::material

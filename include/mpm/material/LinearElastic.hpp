@@ -1,0 +1,44 @@
+#pragma once
+
+#include "mpm/material/Material.hpp"
+
+namespace mpm::material {
+
+struct LinearElasticParameters {
+  double youngs_modulus = 1e6;  ///< E, Pa
+  double poisson_ratio = 0.3;   ///< nu
+  double density = 2000.0;      ///< kg/m^3
+};
+
+/// Isotropic linear elasticity in rate form: dsigma = lambda tr(D dt) I + 2 mu D dt.
+class LinearElastic : public Material {
+ public:
+  /// Throws BadInput unless E > 0, density > 0 and -1 < nu < 0.5.
+  explicit LinearElastic(const LinearElasticParameters& parameters);
+
+  std::span<const StateVariable> state_variables() const override { return {}; }
+  double initial_density() const override { return m_density; }
+  void update_stress(const Batch& batch) const override;
+  void wave_modulus(const Batch& batch, std::span<double> modulus) const override;
+  void initialise_from_stress(const Batch&) const override {}
+
+ private:
+  double m_lambda;  ///< Pa
+  double m_mu;      ///< Pa
+  double m_density;
+};
+
+/// The -elastic_* options.
+class LinearElasticFactory : public MaterialFactory {
+ public:
+  void declare(options::OptionSet& set) override;
+  std::unique_ptr<Material> create() const override;
+
+  /// A scene may change defaults before declare().
+  LinearElasticParameters& parameters() { return m_parameters; }
+
+ private:
+  LinearElasticParameters m_parameters;
+};
+
+}  // namespace mpm::material

@@ -1,0 +1,37 @@
+#include "mpm/material/LinearElastic.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mpm/core/Errors.hpp"
+
+namespace mpm::material {
+
+LinearElastic::LinearElastic(const LinearElasticParameters& parameters)
+    : m_density(parameters.density) {
+  const auto [E, nu, density] = parameters;
+  if (!(E > 0.0)) throw BadInput(fmt::format("-elastic_youngs_modulus {}: must be positive", E));
+  if (!(nu > -1.0 && nu < 0.5))
+    throw BadInput(fmt::format("-elastic_poisson_ratio {}: must be above -1 and below 0.5", nu));
+  if (!(density > 0.0))
+    throw BadInput(fmt::format("-elastic_density {}: must be positive", density));
+  m_lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
+  m_mu = 0.5 * E / (1.0 + nu);
+}
+
+void LinearElastic::update_stress(const Batch& batch) const {
+  for (std::size_t p = 0; p < batch.size; ++p) {
+    const SymmetricTensor strain = batch.strain_increment.load(p);
+    SymmetricTensor stress = batch.stress.load(p) + 2.0 * m_mu * strain;
+    const double pressure = m_lambda * trace(strain);
+    for (int k = 0; k < 3; ++k) stress[k] += pressure;
+    batch.stress.store(p, stress);
+  }
+}
+
+void LinearElastic::wave_modulus(const Batch& batch, std::span<double> modulus) const {
+  std::fill_n(modulus.begin(), batch.size, m_lambda + 2.0 * m_mu);
+}
+
+}  // namespace mpm::material

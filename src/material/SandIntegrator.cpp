@@ -1,0 +1,253 @@
+#include "SandIntegrator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mpm::material {
+
+namespace {
+
+constexpr int max_passes = 1'000'000;
+constexpr double surface_tolerance = 1e-8;    // of p*
+constexpr double smallest_substep = 1e-12;    // of the increment
+constexpr double vanishing_ratio = 1e-9;      // q/p* below which s has no direction
+constexpr double largest_elastic_part = 0.5;  // relative change of stress between surface checks
+
+double deviatoric_stress(const SymmetricTensor& s) {
+  return std::sqrt(1.5 * contract(s, s));
+}
+
+/// cof(a) : b, the derivative of det(a) along b.
+double cofactor_contract(const SymmetricTensor& a, const SymmetricTensor& b) {
+  const auto& [xx, yy, zz, xy, yz, xz] = a.components;
+  return (yy * zz - yz * yz) * b[0] + (xx * zz - xz * xz) * b[1] + (xx * yy - xy * xy) * b[2] +
+         2.0 *
+             ((yz * xz - xy * zz) * b[3] + (xy * xz - yz * xx) * b[4] + (xy * yz - yy * xz) * b[5]);
+}
+
+SandPoint moved(const SandPoint& y, double p_star, const SymmetricTensor& s, double eps_q,
+                double volume_ratio) {
+  return {p_star, y.s + s, eps_q, y.specific_volume * volume_ratio, y.gap};
+}
+
+}  // namespace
+
+bool SandIntegrator::advance(SandPoint& y, SandStrain d) const {
+  if (y.p_star < m_floor || y.gap > 1.0) drop_to_floor(y);
+  close_gap(y, d);
+  Progress progress;
+  for (int pass = 0; pass < max_passes && progress.remaining > 0.0; ++pass) {
+    if (at_floor(y) && d.volumetric <= 0.0) {
+      drop_to_floor(y);
+      y.gap *= std::exp(-progress.remaining * d.volumetric);
+      return true;
+    }
+    const View v = view(y, d);
+    if (!is_on_surface(v) && elastic_step(y, d, progress)) continue;
+    const Rates k1 = rates(v, d);
+    if (!k1.loading && elastic_step(y, d, progress)) continue;
+    if (!plastic_step(y, d, k1, progress)) return false;
+  }
+  return progress.remaining <= 0.0;
+}
+
+void SandIntegrator::drop_to_floor(SandPoint& y) const {
+  y.p_star = m_floor;
+  y.s = {};
+}
+
+void SandIntegrator::close_gap(SandPoint& y, SandStrain& d) const {
+  if (!(y.gap > 1.0) || !(d.volumetric > 0.0)) return;
+  const double opening = std::log(y.gap);
+  if (opening >= d.volumetric) {
+    y.gap = std::max(1.0, y.gap * std::exp(-d.volumetric));
+    d = {};
+    return;
+  }
+  y.gap = 1.0;
+  d.deviatoric *= 1.0 - opening / d.volumetric;
+  d.volumetric -= opening;
+}
+
+SandIntegrator::View SandIntegrator::view(const SandPoint& y, const SandStrain& d) const {
+  View v;
+  v.q = deviatoric_stress(y.s);
+  v.has_direction = v.q > vanishing_ratio * y.p_star;
+  if (v.has_direction) {
+    v.direction = (1.0 / v.q) * y.s;
+  } else {
+    const double size = deviatoric_stress(d.deviatoric);
+    v.direction = size > 0.0 ? (1.0 / size) * d.deviatoric : SymmetricTensor{};
+  }
+  const double sin3theta = std::clamp(13.5 * determinant(v.direction), -1.0, 1.0);
+  v.arguments = {y.p_star, y.specific_volume - 1.0, y.eps_q, sin3theta};
+  v.point = m_surface.at(v.arguments);
+  return v;
+}
+
+bool SandIntegrator::is_on_surface(const View& v) const {
+  return v.q >= v.point.qhat - surface_tolerance * v.arguments.p_star;
+}
+
+/// How far q lies above the surface.
+double SandIntegrator::excess(const SandPoint& y, const SandStrain& d) const {
+  const View v = view(y, d);
+  return v.q - v.point.qhat;
+}
+
+/// dsin3theta by the elastic stress increment; the plastic one is radial and turns nothing.
+double SandIntegrator::lode_rate(const View& v, const SandStrain& d, double deps_q) const {
+  if (!v.has_direction) return 0.0;
+  const double turn = 27.0 * cofactor_contract(v.direction, d.deviatoric);
+  return v.point.G / v.q * (turn - 9.0 * v.arguments.sin3theta * deps_q);
+}
+
+/// Eq. 23 and the increments that follow from it, for the whole strain increment.
+SandIntegrator::Rates SandIntegrator::rates(const View& v, const SandStrain& d) const {
+  const auto [C, E, F, T] = m_surface.slopes(v.arguments, v.point);
+  const double p_star = v.arguments.p_star;
+  const double G = v.point.G;
+  const double K = m_surface.elasticity().bulk_modulus(p_star);
+  const double D = m_surface.dilatancy(v.point, v.q / p_star);
+  const double deps_v = d.volumetric;
+  const double deps_q = contract(v.direction, d.deviatoric);
+
+  // The excess of an elastic step over the surface at constant eps_q.
+  const double specific_volume = 1.0 + v.arguments.void_ratio;
+  const double X =
+      3.0 * G * deps_q - (C * K - E * specific_volume) * deps_v - T * lode_rate(v, d, deps_q);
+  // eps_q grows only: letting it shrink where q falls would ratchet.
+  double growth = std::max(deps_q, 0.0);
+  double lambda = (X - F * growth) / std::max(3.0 * G - C * K * D, 1e-3 * G);
+  const bool loading = lambda > 0.0 || X > 0.0;
+  if (!(lambda > 0.0)) {
+    // Nearly isotropic compression leaves the surface with lambda < 0: the strain is elastic and
+    // eps_q follows so that q stays on the surface.
+    lambda = 0.0;
+    growth = X > 0.0 ? X / F : 0.0;
+  }
+  return {K * (deps_v - D * lambda), 2.0 * G * d.deviatoric + (-3.0 * G * lambda) * v.direction,
+          growth, loading};
+}
+
+SandPoint SandIntegrator::elastic_path(const SandPoint& y, const SandStrain& d, double part) const {
+  const double deps_v = part * d.volumetric;
+  const auto end = m_surface.elasticity().follow(y.p_star, deps_v);
+  return moved(y, end.p_star, (2.0 * end.mean_shear_modulus * part) * d.deviatoric, y.eps_q,
+               std::exp(-deps_v));
+}
+
+/// Part of the increment after which an elastic path is checked against the surface, at most up to
+/// the pressure floor.
+double SandIntegrator::elastic_part(const SandPoint& y, const SandStrain& d,
+                                    double remaining) const {
+  const SandElasticity& elasticity = m_surface.elasticity();
+  const double stress_change =
+      elasticity.bulk_modulus(y.p_star) * std::abs(d.volumetric) +
+      2.0 * elasticity.shear_modulus(y.p_star) * deviatoric_stress(d.deviatoric);
+  double part = remaining;
+  if (stress_change * part > largest_elastic_part * y.p_star)
+    part = largest_elastic_part * y.p_star / stress_change;
+  if (d.volumetric < 0.0)
+    part = std::min(part, elasticity.strain_to_pressure(y.p_star, m_floor) / d.volumetric);
+  return part;
+}
+
+/// Part at which the elastic path, outside the surface at `end`, leaves it; 0 if it was never
+/// inside. Illinois variant of the false position.
+double SandIntegrator::crossing(const SandPoint& y, const SandStrain& d, double end) const {
+  const double tolerance = 1e-10 * y.p_star;
+  double high = end, above = excess(elastic_path(y, d, end), d);
+  double low = 0.0, below = excess(y, d);
+  for (double part = 0.5 * end; !(below < -tolerance); part *= 0.5) {
+    if (!(part > smallest_substep * end)) return 0.0;
+    below = excess(elastic_path(y, d, part), d);
+    if (below < -tolerance) low = part;
+  }
+  for (int iteration = 0; iteration < 100; ++iteration) {
+    const double part = (low * above - high * below) / (above - below);
+    const double value = excess(elastic_path(y, d, part), d);
+    if (std::abs(value) <= tolerance) return part;
+    if (value > 0.0) {
+      high = part;
+      above = value;
+      below *= 0.5;
+    } else {
+      low = part;
+      below = value;
+      above *= 0.5;
+    }
+  }
+  return low;
+}
+
+/// Moves along the elastic path up to the surface or the floor. False if it leads straight out.
+bool SandIntegrator::elastic_step(SandPoint& y, const SandStrain& d, Progress& progress) const {
+  double part = elastic_part(y, d, progress.remaining);
+  SandPoint end = elastic_path(y, d, part);
+  if (excess(end, d) > 0.5 * surface_tolerance * end.p_star) {
+    part = crossing(y, d, part);
+    if (part <= 0.0) return false;
+    end = elastic_path(y, d, part);
+  }
+  y = end;
+  progress.remaining -= part;
+  if (at_floor(y)) drop_to_floor(y);
+  return true;
+}
+
+bool SandIntegrator::plastic_step(SandPoint& y, const SandStrain& d, const Rates& k1,
+                                  Progress& progress) const {
+  for (;;) {
+    const double part = std::min(progress.substep, progress.remaining);
+    if (!(part > smallest_substep)) return false;
+    const double volume_ratio = std::exp(-part * d.volumetric);
+    if (y.p_star + part * k1.p_star < 0.5 * y.p_star) {
+      progress.substep = 0.25 * part;
+      continue;
+    }
+    const SandPoint euler =
+        moved(y, y.p_star + part * k1.p_star, part * k1.s, y.eps_q + part * k1.eps_q, volume_ratio);
+    const Rates k2 = rates(view(euler, d), d);
+    const double half = 0.5 * part;
+    SandPoint end = moved(y, y.p_star + half * (k1.p_star + k2.p_star), half * (k1.s + k2.s),
+                          y.eps_q + half * (k1.eps_q + k2.eps_q), volume_ratio);
+
+    const SymmetricTensor ds = half * (k2.s + (-1.0) * k1.s);
+    const double dp = half * (k2.p_star - k1.p_star);
+    const double error = std::sqrt((contract(ds, ds) + 3.0 * dp * dp) /
+                                   (contract(end.s, end.s) + 3.0 * end.p_star * end.p_star));
+    const double factor = std::clamp(0.9 * std::sqrt(m_tolerance / error), 0.1, 2.0);
+    if (!(error <= m_tolerance)) {
+      progress.substep = factor * part;
+      continue;
+    }
+    progress.substep = std::min(1.0, factor * part);
+    if (end.p_star <= m_floor) {
+      stop_at_floor(y, end, d, part, progress);
+    } else {
+      return_to_surface(end, d);
+      y = end;
+      progress.remaining -= part;
+    }
+    return true;
+  }
+}
+
+void SandIntegrator::stop_at_floor(SandPoint& y, const SandPoint& end, const SandStrain& d,
+                                   double part, Progress& progress) const {
+  double share = 1.0;
+  if (!at_floor(y)) share = (y.p_star - m_floor) / (y.p_star - end.p_star);
+  y.eps_q += share * (end.eps_q - y.eps_q);
+  y.specific_volume *= std::exp(-share * part * d.volumetric);
+  drop_to_floor(y);
+  progress.remaining -= share * part;
+}
+
+/// Radial return at constant p, which leaves qhat unchanged and is exact in one go.
+void SandIntegrator::return_to_surface(SandPoint& y, const SandStrain& d) const {
+  const View v = view(y, d);
+  if (v.has_direction) y.s *= v.point.qhat / v.q;
+}
+
+}  // namespace mpm::material

@@ -1,0 +1,53 @@
+#include "mpm/material/SandParameters.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "mpm/core/Errors.hpp"
+
+namespace mpm::material {
+
+double critical_friction_angle(const SandParameters& sand) {
+  return std::asin(3.0 * sand.Mc / (6.0 + sand.Mc));
+}
+
+double cohesion_shift(const SandParameters& sand) {
+  if (sand.cohesion_shift == CohesionShift::plain) return sand.cohesion;
+  return sand.cohesion / std::tan(critical_friction_angle(sand));
+}
+
+double relative_density(const SandParameters& sand) {
+  return (sand.e_max - sand.void_ratio) / (sand.e_max - sand.e_min);
+}
+
+namespace {
+
+void require(bool holds, const std::string& message) {
+  if (!holds) throw BadInput(message);
+}
+
+/// Eq. 12 is solved for q by dividing by 1 - f d0/M, which must stay positive.
+void require_solvable(const SandParameters& sand) {
+  if (sand.softening == Softening::explicit_ratio) return;
+  const double largest_f = sand.softening == Softening::plain ? std::exp(-1.0) : 1.0;
+  const double limit = sand.c * sand.Mc / largest_f;
+  require(sand.d0 < limit,
+          fmt::format("-sand_d0 {}: must be below {:.4g} (-sand_c times -sand_Mc over the largest "
+                      "f), or the stress-strain relation has no solution for q; lower -sand_d0",
+                      sand.d0, limit));
+}
+
+}  // namespace
+
+void validate(const SandParameters& sand) {
+  require_solvable(sand);
+  require(sand.e_min < sand.e_max,
+          fmt::format("-sand_e_min {}: must be below -sand_e_max {}", sand.e_min, sand.e_max));
+  require(sand.void_ratio < 2.973,
+          fmt::format("-sand_void_ratio {}: must be below 2.973, where the shear modulus of Eq. 15 "
+                      "vanishes",
+                      sand.void_ratio));
+}
+
+}  // namespace mpm::material
