@@ -7,7 +7,7 @@ namespace mpm::material {
 
 namespace {
 
-constexpr int max_passes = 1'000'000;
+constexpr int max_passes = 100'000;
 constexpr double surface_tolerance = 1e-8;    // of p*
 constexpr double smallest_substep = 1e-12;    // of the increment
 constexpr double vanishing_ratio = 1e-9;      // q/p* below which s has no direction

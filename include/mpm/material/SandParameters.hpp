@@ -33,7 +33,7 @@ struct SandParameters {
   double psi_cap = 0.15;         ///< largest state parameter in the dilatancy
   double e_max = 0.778;          ///< loosest packing
   double e_min = 0.497;          ///< densest packing
-  double tolerance = 1e-5;       ///< relative error of stress in one substep
+  double tolerance = 1e-4;       ///< relative error of stress in one substep
   std::optional<double> xi;      ///< exponent of the power form, Eqs. 19 and 24
   Softening softening = Softening::normalized;
   CohesionShift cohesion_shift = CohesionShift::plain;

@@ -1,0 +1,641 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "mpm/core/Errors.hpp"
+#include "mpm/material/ElementTest.hpp"
+#include "mpm/material/SandLaw.hpp"
+
+namespace mpm::material {
+namespace {
+
+SandParameters sand_with(double void_ratio, double cohesion) {
+  SandParameters sand;
+  sand.void_ratio = void_ratio;
+  sand.cohesion = cohesion;
+  return sand;
+}
+
+/// One particle driven by strain increments.
+class Particle {
+ public:
+  explicit Particle(const SandLaw& law, SymmetricTensor initial_stress)
+      : m_law(law), stress(initial_stress) {
+    law.initialise_from_stress(batch());
+  }
+  Batch batch() {
+    Batch one;
+    one.size = 1;
+    for (std::size_t k = 0; k < 6; ++k) {
+      one.strain_increment.component[k] = &m_strain.components[k];
+      one.stress.component[k] = &stress.components[k];
+    }
+    for (double& value : state) one.state.push_back(&value);
+    return one;
+  }
+  void strain_by(const SymmetricTensor& increment) {
+    m_strain = increment;
+    m_law.update_stress(batch());
+  }
+  void strain_by(const SymmetricTensor& increment, int parts) {
+    for (int k = 0; k < parts; ++k) strain_by((1.0 / parts) * increment);
+  }
+  SurfaceState surface_state() const {
+    const SandInvariants now = m_law.invariants(stress);
+    return {now.p_star, void_ratio(), eps_q(), now.sin3theta};
+  }
+  double q() const { return m_law.invariants(stress).q; }
+  double p_star() const { return m_law.invariants(stress).p_star; }
+  double qhat() const { return m_law.surface().at(surface_state()).qhat; }
+  double void_ratio() const { return state[SandLaw::void_ratio]; }
+  double eps_q() const { return state[SandLaw::eps_q]; }
+  double gap() const { return state[SandLaw::gap_volume_ratio]; }
+
+ private:
+  const SandLaw& m_law;
+  SymmetricTensor m_strain;
+
+ public:
+  SymmetricTensor stress;
+  std::array<double, 3> state{};
+};
+
+SymmetricTensor principal(double xx, double yy, double zz) {
+  return {{xx, yy, zz, 0, 0, 0}};
+}
+SymmetricTensor isotropic(double pressure) {
+  return principal(-pressure, -pressure, -pressure);
+}
+SymmetricTensor at_rest(double vertical, double K0) {
+  return principal(-K0 * vertical, -vertical, -K0 * vertical);
+}
+
+double friction_angle_deg(double eta) {
+  return std::asin(3.0 * eta / (6.0 + eta)) * 180.0 / std::numbers::pi;
+}
+
+double peak_stress_ratio(const std::vector<ElementTestRow>& rows) {
+  double peak = 0.0;
+  for (const ElementTestRow& row : rows) peak = std::max(peak, row.q / row.p);
+  return peak;
+}
+
+// The surface ------------------------------------------------------------------------------------
+
+struct Reading {
+  const char* name;
+  Softening softening;
+  std::optional<double> xi;
+};
+
+class EveryReading : public ::testing::TestWithParam<Reading> {
+ protected:
+  static SandParameters sand() {
+    SandParameters sand = sand_with(0.6, 0.0);
+    sand.softening = GetParam().softening;
+    sand.xi = GetParam().xi;
+    return sand;
+  }
+};
+
+double central_difference(const LoadingSurface& surface, SurfaceState y,
+                          double SurfaceState::*argument, double step) {
+  SurfaceState below = y;
+  y.*argument += step;
+  below.*argument -= step;
+  return (surface.at(y).qhat - surface.at(below).qhat) / (2.0 * step);
+}
+
+TEST_P(EveryReading, slopes_are_the_derivatives_of_qhat) {
+  const LoadingSurface surface(sand());
+  for (double p : {1.3e3, 40e3, 900e3})
+    for (double e : {0.45, 0.61, 0.79})
+      for (double eps : {2e-4, 0.013, 0.21})
+        for (double t : {-0.97, -0.1, 0.8}) {
+          const SurfaceState y{p, e, eps, t};
+          const auto [C, E, F, T] = surface.slopes(y, surface.at(y));
+          const auto difference = [&](double SurfaceState::*argument, double step) {
+            return central_difference(surface, y, argument, step);
+          };
+          EXPECT_NEAR(C, difference(&SurfaceState::p_star, 1e-4 * p), 1e-6);
+          EXPECT_NEAR(E, difference(&SurfaceState::void_ratio, 1e-5), 1e-6 * p);
+          EXPECT_NEAR(F, difference(&SurfaceState::eps_q, 1e-4 * eps), 1e-6 * surface.at(y).G);
+          EXPECT_NEAR(T, difference(&SurfaceState::sin3theta, 1e-5), 1e-6 * p);
+        }
+}
+
+TEST_P(EveryReading, qhat_solves_the_stress_strain_relation) {
+  const SandParameters sand = EveryReading::sand();
+  const double p = 37e3, e = 0.58, eps = 0.034, M = sand.Mc;
+  const double q = LoadingSurface(sand).at({p, e, eps, -1.0}).qhat;
+
+  const double G =
+      sand.G0 * std::pow(2.973 - sand.void_ratio, 2) / (1 + sand.void_ratio) * std::sqrt(p * 101e3);
+  const double e_c = sand.xi ? sand.e_Gamma - sand.lambda_c * std::pow(p / 101e3, *sand.xi)
+                             : sand.e_Gamma - sand.lambda_c * std::log(p / 1e3);
+  const double h = eps / (1 / (3 * G) + eps / (M * p));
+  const double x = eps / sand.eps_r;
+  const double f = x * std::exp(sand.softening == Softening::plain ? -x : 1 - x);
+  const double eta = (sand.softening == Softening::explicit_ratio ? h : q) / p;
+  const double D = sand.d0 * std::exp(sand.m * (e - e_c)) - sand.d0 * eta / M;
+  EXPECT_NEAR(q, h - f * D * p, 1e-9 * p);
+}
+
+INSTANTIATE_TEST_SUITE_P(SandSurface, EveryReading,
+                         ::testing::Values(Reading{"normalized", Softening::normalized, {}},
+                                           Reading{"plain", Softening::plain, {}},
+                                           Reading{"explicit", Softening::explicit_ratio, {}},
+                                           Reading{"power_line", Softening::normalized, 0.65}),
+                         [](const auto& instance) { return instance.param.name; });
+
+TEST(SandSurface, critical_stress_ratio_follows_the_lode_angle) {
+  const SandParameters sand;
+  const LoadingSurface surface(sand);
+  const auto ratio = [&](double t) { return surface.at({5e3, 0.6, 0.01, t}).M / sand.Mc; };
+  EXPECT_NEAR(ratio(-1.0), 1.0, 1e-14);
+  EXPECT_NEAR(ratio(1.0), sand.c, 1e-14);
+  EXPECT_NEAR(ratio(0.0), sand.c * (1 + sand.c) / (1 + sand.c * sand.c), 1e-14);
+}
+
+TEST(SandSurface, capped_state_parameter_takes_its_slopes_away) {
+  const SandParameters sand;
+  const LoadingSurface surface(sand);
+  const SurfaceState loose{40e3, 0.98, 0.03, -0.4};
+  EXPECT_TRUE(surface.is_capped(surface.at(loose)));
+  EXPECT_EQ(surface.slopes(loose, surface.at(loose)).E, 0.0);
+  EXPECT_NEAR(surface.slopes(loose, surface.at(loose)).C,
+              central_difference(surface, loose, &SurfaceState::p_star, 4.0), 1e-7);
+}
+
+TEST(SandSurface, strength_is_never_negative) {
+  SandParameters sand;
+  sand.psi_cap = 1.0;
+  EXPECT_EQ(LoadingSurface(sand).at({40e3, 1.3, 0.06, 0.9}).qhat, 0.0);
+}
+
+// Reference curves -------------------------------------------------------------------------------
+
+struct Reference {
+  const char* file;
+  ElementTestKind kind;
+  double pressure;
+  double void_ratio;
+  double cohesion;
+};
+
+std::vector<ElementTestRow> read_reference(const Reference& reference) {
+  std::ifstream file(std::string(MPM_TEST_DATA) + "/j2/" + reference.file + ".csv");
+  std::string line;
+  std::getline(file, line);
+  std::vector<ElementTestRow> rows;
+  while (std::getline(file, line)) {
+    std::istringstream text(line);
+    std::array<double, 6> value{};
+    char comma;
+    for (double& number : value) text >> number >> comma;
+    rows.push_back({value[0], 1e3 * value[1], 1e3 * value[2], value[3], value[4], value[5]});
+  }
+  return rows;
+}
+
+void expect_same_curve(const std::vector<ElementTestRow>& rows, std::size_t every,
+                       const std::vector<ElementTestRow>& expected) {
+  double peak = 0.0;
+  for (const ElementTestRow& row : expected) peak = std::max(peak, row.q);
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    const ElementTestRow& row = rows.at(every * k);
+    ASSERT_NEAR(row.axial_strain, expected[k].axial_strain, 1e-9);
+    EXPECT_NEAR(row.q, expected[k].q, 1e-3 * peak) << "row " << k;
+    EXPECT_NEAR(row.p, expected[k].p, 1e-3 * peak) << "row " << k;
+    EXPECT_NEAR(row.volumetric_strain, expected[k].volumetric_strain, 1e-5) << "row " << k;
+    EXPECT_NEAR(row.void_ratio, expected[k].void_ratio, 2e-5) << "row " << k;
+    EXPECT_NEAR(row.lode_angle_deg, expected[k].lode_angle_deg, 0.1) << "row " << k;
+  }
+}
+
+class ReferenceCurve : public ::testing::TestWithParam<Reference> {};
+
+TEST_P(ReferenceCurve, is_met_with_few_and_with_many_increments) {
+  const Reference& reference = GetParam();
+  const SandLaw law(sand_with(reference.void_ratio, reference.cohesion));
+  const auto expected = read_reference(reference);
+  ASSERT_EQ(expected.size(), 151U);
+  for (std::size_t every : {1U, 5U, 40U}) {
+    const auto rows = run_element_test(law, {.kind = reference.kind,
+                                             .confining_pressure = reference.pressure,
+                                             .strain_end = expected.back().axial_strain,
+                                             .increments = every * 150});
+    expect_same_curve(rows, every, expected);
+  }
+}
+
+using enum ElementTestKind;
+INSTANTIATE_TEST_SUITE_P(
+    SandLaw, ReferenceCurve,
+    ::testing::Values(Reference{"triaxial_p150_e0.551", triaxial_compression, 150e3, 0.551, 0},
+                      Reference{"triaxial_p150_e0.64", triaxial_compression, 150e3, 0.64, 0},
+                      Reference{"triaxial_p150_e0.72", triaxial_compression, 150e3, 0.72, 0},
+                      Reference{"triaxial_p500_e0.574", triaxial_compression, 500e3, 0.574, 0},
+                      Reference{"triaxial_p500_e0.64", triaxial_compression, 500e3, 0.64, 0},
+                      Reference{"triaxial_p500_e0.72", triaxial_compression, 500e3, 0.72, 0},
+                      Reference{"plane_strain_p400_e0.581", plane_strain, 400e3, 0.581, 0},
+                      Reference{"plane_strain_p50_e0.524", plane_strain, 50e3, 0.524, 0},
+                      Reference{"simple_shear_constant_volume_p100_e0.657",
+                                simple_shear_constant_volume, 100e3, 0.657, 0},
+                      Reference{"oedometer_p5_e0.657_cohesion1.67", oedometer, 5e3, 0.657, 1670}),
+    [](const auto& instance) {
+      std::string name = instance.param.file;
+      for (char& letter : name)
+        if (letter == '.') letter = '_';
+      return name;
+    });
+
+TEST(SandLaw, oedometer_curve_is_met_with_one_update_a_row) {
+  const Reference reference{"oedometer_p5_e0.657_cohesion1.67", oedometer, 5e3, 0.657, 1670};
+  const SandLaw law(sand_with(reference.void_ratio, reference.cohesion));
+  const auto expected = read_reference(reference);
+  Particle particle(law, isotropic(reference.pressure));
+  for (std::size_t k = 1; k < expected.size(); ++k) {
+    particle.strain_by(
+        principal(0.0, expected[k - 1].axial_strain - expected[k].axial_strain, 0.0));
+    EXPECT_NEAR(particle.q(), expected[k].q, 2e-3 * expected.back().q);
+  }
+}
+
+TEST(SandLaw, peak_friction_angle_tells_the_softening_readings_apart) {
+  const auto peak_angle = [](Softening softening, double void_ratio, double pressure) {
+    SandParameters sand = sand_with(void_ratio, 0.0);
+    sand.softening = softening;
+    const auto rows = run_element_test(
+        SandLaw(sand), {.confining_pressure = pressure, .strain_end = 0.2, .increments = 400});
+    return friction_angle_deg(peak_stress_ratio(rows));
+  };
+  EXPECT_NEAR(peak_angle(Softening::normalized, 0.551, 150e3), 37.7, 0.1);
+  EXPECT_NEAR(peak_angle(Softening::normalized, 0.574, 500e3), 34.9, 0.1);
+  EXPECT_NEAR(peak_angle(Softening::plain, 0.551, 150e3), 32.6, 0.1);
+  EXPECT_NEAR(peak_angle(Softening::plain, 0.574, 500e3), 31.7, 0.1);
+}
+
+class CriticalState : public ::testing::TestWithParam<double> {};
+
+TEST_P(CriticalState, is_reached_at_logarithmic_strain_two) {
+  const SandParameters sand = sand_with(GetParam(), 0.0);
+  const SandLaw law(sand);
+  for (ElementTestKind kind : {triaxial_compression, triaxial_extension, plane_strain}) {
+    const auto row =
+        run_element_test(
+            law, {.kind = kind, .confining_pressure = 200e3, .strain_end = 2.0, .increments = 1000})
+            .back();
+    const double sin3theta = std::sin(3.0 * row.lode_angle_deg * std::numbers::pi / 180.0);
+    const double M = law.surface().at({row.p, row.void_ratio, 2.0, sin3theta}).M;
+    EXPECT_NEAR(row.q / row.p / M, 1.0, 1e-3);
+    EXPECT_NEAR(row.void_ratio, law.surface().critical_void_ratio(row.p), 2e-3);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(SandLaw, CriticalState, ::testing::Values(0.524, 0.657, 0.75));
+
+// Loading, unloading -----------------------------------------------------------------------------
+
+SymmetricTensor random_strain(std::mt19937& generator, double size) {
+  std::normal_distribution<double> normal;
+  SymmetricTensor strain;
+  for (int k = 0; k < 6; ++k) strain[k] = size * normal(generator);
+  return strain;
+}
+
+TEST(SandLaw, stays_on_the_loading_surface_while_the_lode_angle_turns) {
+  const SandLaw law(sand_with(0.58, 1000.0));
+  Particle particle(law, at_rest(30e3, 0.5));
+  for (int k = 0; k < 3000; ++k) {
+    const double turn = 1e-3 * k;
+    const double eps_q = particle.eps_q();
+    particle.strain_by(2e-5 * SymmetricTensor{{0.3 + std::sin(turn), -1.0, 0.4 - std::sin(turn),
+                                               std::sin(2 * turn), 0.3 * turn, -0.2}});
+    ASSERT_GT(particle.eps_q(), eps_q);
+    ASSERT_NEAR(particle.q(), particle.qhat(), 1e-8 * particle.p_star()) << "step " << k;
+  }
+}
+
+TEST(SandLaw, is_never_outside_the_loading_surface) {
+  std::mt19937 generator(7);
+  for (double size : {1e-6, 3e-5, 1e-3}) {
+    const SandLaw law(sand_with(0.62, 1000.0));
+    Particle particle(law, at_rest(5e3, 0.45));
+    for (int k = 0; k < 3000; ++k) {
+      const double eps_q = particle.eps_q();
+      SymmetricTensor strain = random_strain(generator, size);
+      for (int i = 0; i < 3; ++i) strain[i] -= 0.01 * size;
+      particle.strain_by(strain);
+      ASSERT_LE(particle.q(), particle.qhat() + 1.1e-8 * particle.p_star()) << size << " " << k;
+      ASSERT_GE(particle.eps_q(), eps_q);
+    }
+  }
+}
+
+TEST(SandLaw, nearly_isotropic_compression_does_not_leave_the_surface) {
+  const SandLaw law(sand_with(0.62, 0.0));
+  Particle particle(law, at_rest(200e3, 0.45));
+  for (double shear : {0.0, 0.01, 0.03, 0.05, 0.1, 0.2}) {
+    particle.strain_by(1e-4 * principal(-1.0 + shear, -1.0 - 2.0 * shear, -1.0 + shear), 10);
+    EXPECT_LE(particle.q(), particle.qhat() + 1.1e-8 * particle.p_star()) << shear;
+  }
+}
+
+TEST(SandLaw, prescribed_stress_at_rest_starts_on_the_surface) {
+  for (double K0 : {0.4, 0.5, 0.8, 1.3}) {
+    const SandLaw law(sand_with(0.524, 1000.0));
+    Particle particle(law, at_rest(2.1e3, K0));
+    EXPECT_NEAR(particle.q(), particle.qhat(), 1e-10 * particle.p_star());
+    EXPECT_GT(law.surface()
+                  .slopes(particle.surface_state(), law.surface().at(particle.surface_state()))
+                  .F,
+              0.0);
+    const double eps_q = particle.eps_q();
+    const SymmetricTensor direction = (1e-7 / particle.q()) * deviator(particle.stress);
+    particle.strain_by(-1.0 * direction);
+    EXPECT_EQ(particle.eps_q(), eps_q);
+    particle.strain_by(3.0 * direction);
+    EXPECT_GT(particle.eps_q(), eps_q);
+  }
+}
+
+TEST(SandLaw, refuses_a_stress_ratio_that_the_sand_cannot_carry) {
+  const SandLaw law(sand_with(0.657, 0.0));
+  try {
+    Particle particle(law, at_rest(10e3, 0.1));
+    FAIL() << "accepted";
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("q/p = 2.25"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("at most q/p = 1."), std::string::npos)
+        << error.what();
+  }
+}
+
+/// Sheared on the surface, then unloaded to the pressure p and no deviator.
+Particle unloaded(const SandLaw& law) {
+  Particle particle(law, isotropic(60e3));
+  particle.strain_by(principal(1e-3, -3e-3, 1e-3), 100);
+  const double G = law.surface().elasticity().shear_modulus(particle.p_star());
+  SymmetricTensor back = deviator(particle.stress);
+  particle.strain_by((-0.5 / G) * back, 50);
+  return particle;
+}
+
+TEST(SandLaw, closed_elastic_loop_does_the_hypoelastic_work) {
+  const SandLaw law(sand_with(0.6, 0.0));
+  const SandElasticity& elasticity = law.surface().elasticity();
+  Particle particle = unloaded(law);
+  ASSERT_NEAR(particle.q() / particle.p_star(), 0.0, 1e-9);
+  const SymmetricTensor start = particle.stress;
+  const std::array<double, 3> start_state = particle.state;
+
+  const double p1 = particle.p_star(), p2 = 0.6 * p1, q = 0.3 * p1;
+  const double G1 = elasticity.shear_modulus(p1), G2 = elasticity.shear_modulus(p2);
+  const double swelling = -elasticity.strain_to_pressure(p1, p2);
+  const SymmetricTensor axial = principal(0.5, -1.0, 0.5);
+  double work = 0.0;
+  const auto follow = [&](const SymmetricTensor& strain) {
+    for (int k = 0; k < 500; ++k) {
+      const SymmetricTensor before = particle.stress;
+      particle.strain_by(0.002 * strain);
+      work += 0.001 * contract(before + particle.stress, strain);
+    }
+  };
+  follow(q / (3.0 * G1) * axial);
+  EXPECT_NEAR(particle.q(), q, 1e-9 * q);
+  follow(swelling / 3.0 * principal(1.0, 1.0, 1.0));
+  EXPECT_NEAR(particle.p_star(), p2, 1e-9 * p2);
+  EXPECT_NEAR(particle.q(), q, 1e-9 * q);
+  follow(-q / (3.0 * G2) * axial);
+  follow(-swelling / 3.0 * principal(1.0, 1.0, 1.0));
+
+  EXPECT_NEAR(work, q * q / 6.0 * (1.0 / G1 - 1.0 / G2), 1e-3 * std::abs(work));
+  EXPECT_LT(norm(particle.stress + (-1.0) * start), 1e-9 * p1);
+  EXPECT_EQ(particle.eps_q(), start_state[SandLaw::eps_q]);
+  EXPECT_NEAR(particle.void_ratio(), start_state[SandLaw::void_ratio], 1e-12);
+}
+
+void cycle(Particle& particle, const SymmetricTensor& strain, int times) {
+  for (int k = 0; k < times; ++k) {
+    particle.strain_by(strain);
+    particle.strain_by(-1.0 * strain);
+  }
+}
+
+class SmallCycles : public ::testing::TestWithParam<SymmetricTensor> {};
+
+TEST_P(SmallCycles, do_not_ratchet) {
+  const SandLaw law(sand_with(0.524, 1000.0));
+  Particle particle(law, at_rest(4e3, 0.5));
+  particle.strain_by(principal(1e-3, -2e-3, 0.0), 100);
+  cycle(particle, GetParam(), 1);  // a path that yields in unloading settles in the first cycle
+  const SymmetricTensor start = particle.stress;
+  const double eps_q = particle.eps_q();
+  cycle(particle, GetParam(), 10000);
+  EXPECT_LT(norm(particle.stress + (-1.0) * start), 1e-6 * particle.p_star());
+  EXPECT_NEAR(particle.eps_q(), eps_q, 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(SandLaw, SmallCycles,
+                         ::testing::Values(2e-6 * principal(-0.4, 1.0, 0.0),
+                                           SymmetricTensor{{-3e-6, 3e-6, 0, 1e-6, 0, 2e-6}},
+                                           1e-6 * principal(-1.0, -1.0, -1.0),
+                                           1e-6 * principal(1.0 - 0.01, 1.0 + 0.03, 1.0 - 0.02)));
+
+TEST(SandLaw, does_not_ratchet_where_the_loading_index_is_positive_inside_the_surface) {
+  const SandLaw law(sand_with(0.524, 1000.0));
+  Particle particle(law, at_rest(4e3, 0.5));
+  const SymmetricTensor start = particle.stress;
+  const double eps_q = particle.eps_q();
+  const SurfaceState y = particle.surface_state();
+  const SurfacePoint point = law.surface().at(y);
+  const auto [C, E, F, T] = law.surface().slopes(y, point);
+  const double K = law.surface().elasticity().bulk_modulus(y.p_star);
+  // Swelling by dv lowers the surface by C K dv, unloading by dq lowers q by 10 % more.
+  const double dv = 1e-6, dq = 1.1 * (C * K - E * (1.0 + y.void_ratio)) * dv / (3.0 * point.G);
+  ASSERT_LT((3.0 * point.G - F) * dq, 3.0 * point.G * dq / 1.1);
+  cycle(particle, SymmetricTensor{{dv / 3 - dq / 2, dv / 3 + dq, dv / 3 - dq / 2, 0, 0, 0}}, 10000);
+  EXPECT_LT(norm(particle.stress + (-1.0) * start), 1e-6 * particle.p_star());
+  EXPECT_NEAR(particle.eps_q(), eps_q, 1e-9);
+}
+
+TEST(SandLaw, reversal_returns_to_the_surface_it_left) {
+  const SandLaw law(sand_with(0.6, 0.0));
+  Particle straight(law, isotropic(80e3)), detour(law, isotropic(80e3));
+  const SymmetricTensor axial = 1e-2 * principal(0.4, -1.0, 0.4);
+  straight.strain_by(axial, 50);
+  detour.strain_by(axial, 50);
+  detour.strain_by(-0.01 * axial);
+  EXPECT_LT(detour.q(), 0.99 * detour.qhat());
+  detour.strain_by(0.01 * axial + 0.1 * axial);
+  straight.strain_by(0.1 * axial);
+  EXPECT_LT(norm(straight.stress + (-1.0) * detour.stress), 1e-4 * straight.p_star());
+  EXPECT_NEAR(straight.eps_q(), detour.eps_q(), 1e-7);
+}
+
+class Splitting : public ::testing::TestWithParam<SymmetricTensor> {};
+
+TEST_P(Splitting, does_not_change_the_result) {
+  const SandLaw law(sand_with(0.6, 1000.0));
+  std::vector<Particle> particles;
+  for (int parts : {1, 7, 100, 10000}) {
+    Particle particle(law, at_rest(20e3, 0.5));
+    particle.strain_by(GetParam(), parts);
+    particle.strain_by(-0.05 * GetParam(), parts);
+    particle.strain_by(SymmetricTensor{{0.004, -0.006, 0, 0.003, 0, 0.001}}, parts);
+    particles.push_back(particle);
+  }
+  for (const Particle& particle : particles) {
+    EXPECT_LT(norm(particle.stress + (-1.0) * particles.back().stress),
+              2e-3 * particles.back().p_star());
+    EXPECT_NEAR(particle.eps_q(), particles.back().eps_q(), 1e-5);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(SandLaw, Splitting,
+                         ::testing::Values(principal(0.01, -0.02, 0.0),
+                                           SymmetricTensor{{0.002, -0.004, 0, 0.02, 0, 0}},
+                                           principal(-0.02, -0.02, -0.02),
+                                           principal(-0.002, 0.01, -0.003)));
+
+TEST(SandLaw, cohesion_only_shifts_the_mean_stress) {
+  const SandLaw with(sand_with(0.6, 1000.0)), without(sand_with(0.6, 0.0));
+  Particle cohesive(with, isotropic(4e3)), frictional(without, isotropic(5e3));
+  const SymmetricTensor strain{{0.003, -0.01, 0.001, 0.004, 0, 0}};
+  cohesive.strain_by(strain, 40);
+  frictional.strain_by(strain, 40);
+  EXPECT_LT(norm(cohesive.stress + (-1.0) * (frictional.stress + isotropic(-1000.0))), 1e-6);
+
+  SandParameters sand = sand_with(0.6, 1000.0);
+  sand.cohesion_shift = CohesionShift::cot_phi;
+  EXPECT_NEAR(SandLaw(sand).invariants(isotropic(0.0)).p_star, 1670.0, 5.0);
+}
+
+// Low stress -------------------------------------------------------------------------------------
+
+class LowStress : public ::testing::TestWithParam<double> {};
+
+TEST_P(LowStress, has_no_nan_through_tension_and_back) {
+  const SandLaw law(sand_with(0.657, GetParam()));
+  Particle particle(law, at_rest(3e3, 0.5));
+  std::mt19937 generator(11);
+  for (int k = 0; k < 20000; ++k) {
+    SymmetricTensor strain = random_strain(generator, k % 3 == 0 ? 1e-3 : 1e-5);
+    const double swell = 3e-4 * std::cos(2e-3 * k);
+    for (int i = 0; i < 3; ++i) strain[i] += swell;
+    particle.strain_by(strain);
+    ASSERT_TRUE(std::isfinite(norm(particle.stress))) << "step " << k;
+    ASSERT_TRUE(std::isfinite(particle.void_ratio() + particle.eps_q() + particle.gap()));
+    ASSERT_GE(particle.p_star(), 10.0 * (1.0 - 1e-9));
+    ASSERT_GE(particle.gap(), 1.0);
+    ASSERT_LE(particle.q(), particle.qhat() + 1.1e-8 * particle.p_star()) << "step " << k;
+  }
+}
+
+TEST_P(LowStress, reclosing_gap_carries_no_stress_before_it_is_closed) {
+  const SandLaw law(sand_with(0.657, GetParam()));
+  Particle particle(law, at_rest(3e3, 0.5));
+  double volumetric = 0.0;
+  const auto strain_by = [&](const SymmetricTensor& strain) {
+    particle.strain_by(strain);
+    volumetric += trace(strain);
+    EXPECT_NEAR(std::log((1 + particle.void_ratio()) / 1.657 * particle.gap()), volumetric, 1e-12);
+  };
+  for (int k = 0; k < 300; ++k) strain_by(1e-3 * principal(0.2, 1.0, -0.1));
+  ASSERT_GT(particle.gap(), 1.1);
+  EXPECT_EQ(law.count_at_limits(particle.batch()), 1U);
+
+  while (std::log(particle.gap()) > 1.2e-3) {
+    strain_by(1e-3 * principal(-0.4, -0.9, 0.1));
+    ASSERT_NEAR(particle.p_star(), 10.0, 1e-9);
+    ASSERT_LT(particle.q(), 1e-9);
+  }
+  strain_by(1e-3 * principal(-0.4, -0.9, 0.1));
+  strain_by(1e-2 * principal(-0.4, -0.9, -0.2));
+  EXPECT_EQ(particle.gap(), 1.0);
+  EXPECT_GT(particle.p_star(), 20.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(SandLaw, LowStress, ::testing::Values(0.0, 1000.0));
+
+TEST(SandLaw, passes_nan_on) {
+  const SandLaw law(sand_with(0.6, 1000.0));
+  Particle particle(law, at_rest(3e3, 0.5));
+  particle.strain_by(principal(std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0));
+  EXPECT_TRUE(std::isnan(particle.stress[1]));
+  particle.strain_by(principal(1e-5, 0.0, 0.0));
+  EXPECT_TRUE(std::isnan(particle.stress[1]));
+}
+
+// Scalars ----------------------------------------------------------------------------------------
+
+TEST(SandLaw, power_form_elasticity_follows_its_bulk_modulus) {
+  SandParameters sand = sand_with(0.6, 0.0);
+  sand.xi = 0.7;
+  const SandElasticity elasticity(sand);
+  const double p = 30e3, K = 1.6 * p / (0.012 * 0.7) * std::pow(101e3 / p, 0.7);
+  EXPECT_NEAR(elasticity.bulk_modulus(p), K, 1e-9 * K);
+  for (double strain : {1e-6, -1e-3, 0.02}) {
+    const auto end = elasticity.follow(p, strain);
+    double pressure = p, shear = 0.0;
+    for (int k = 0; k < 20000; ++k) {
+      const double middle = pressure + 0.5 * elasticity.bulk_modulus(pressure) * strain / 20000;
+      shear += elasticity.shear_modulus(middle) / 20000;
+      pressure += elasticity.bulk_modulus(middle) * strain / 20000;
+    }
+    EXPECT_NEAR(end.p_star, pressure, 1e-7 * p);
+    EXPECT_NEAR(end.mean_shear_modulus, shear, 1e-7 * shear);
+    EXPECT_NEAR(elasticity.strain_to_pressure(p, end.p_star), strain, 1e-9);
+  }
+}
+
+TEST(SandLaw, power_form_is_integrated_on_its_surface) {
+  SandParameters sand = sand_with(0.6, 500.0);
+  sand.xi = 0.7;
+  sand.lambda_c = 0.02;
+  const SandLaw law(sand);
+  Particle particle(law, at_rest(20e3, 0.5)), fine(law, at_rest(20e3, 0.5));
+  const SymmetricTensor strain{{0.01, -0.02, 0, 0.005, 0, 0}};
+  particle.strain_by(strain, 20);
+  fine.strain_by(strain, 5000);
+  EXPECT_NEAR(particle.q(), particle.qhat(), 1e-8 * particle.p_star());
+  EXPECT_LT(norm(particle.stress + (-1.0) * fine.stress), 1e-3 * fine.p_star());
+}
+
+TEST(SandLaw, density_and_wave_speed_follow_from_the_constants) {
+  const SandLaw law(sand_with(0.6, 1000.0));
+  EXPECT_NEAR(law.initial_density(), 2650.0 / 1.6, 1e-9);
+  Particle particle(law, isotropic(24e3));
+  double modulus = 0.0;
+  law.wave_modulus(particle.batch(), {&modulus, 1});
+  const double G = 250.0 * std::pow(2.973 - 0.6, 2) / 1.6 * std::sqrt(25e3 * 101e3);
+  EXPECT_NEAR(modulus, 1.6 * 25e3 / 0.012 + 4.0 / 3.0 * G, 1e-6 * G);
+}
+
+TEST(SandLaw, loose_particles_are_counted_at_the_cap) {
+  const SandLaw loose(sand_with(1.1, 0.0)), dense(sand_with(0.524, 0.0));
+  EXPECT_EQ(loose.count_at_limits(Particle(loose, isotropic(50e3)).batch()), 1U);
+  EXPECT_EQ(dense.count_at_limits(Particle(dense, isotropic(50e3)).batch()), 0U);
+}
+
+TEST(SandLaw, refuses_constants_that_leave_no_solution_for_q) {
+  SandParameters sand;
+  sand.d0 = 0.95;
+  EXPECT_THROW(SandLaw{sand}, BadInput);
+  sand.softening = Softening::plain;
+  EXPECT_NO_THROW(SandLaw{sand});
+  sand.e_min = 0.8;
+  EXPECT_THROW(SandLaw{sand}, BadInput);
+}
+
+}  // namespace
+}  // namespace mpm::material
