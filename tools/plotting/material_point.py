@@ -14,14 +14,14 @@ def draw(run):
     strain = 100 * history[strain_name]
     q, p = history["q_Pa"] / 1000, history["p_Pa"] / 1000
     label = strain_name.replace("_", " ").capitalize() + " (%)"
-    made, (stress, volume, path) = style.figure(1, 3, 18.5, 6.2)
+    made, (stress, volume, path) = style.figure(1, 3, 18.5, 7)
     stress.plot(strain, q, color=style.BLACK)
     stress.set(xlabel=label, ylabel=r"$q$ (kPa)")
     stress.set_title("(a) Deviatoric stress")
     volume.axhline(0, color="0.7", lw=0.8)
     volume.plot(strain, 100 * history["volumetric_strain"], color=style.BLUE)
-    volume.set(xlabel=label, ylabel="Volumetric strain (%), compression +")
-    volume.set_title("(b) Volume change")
+    volume.set(xlabel=label, ylabel="Volumetric strain (%)")
+    volume.set_title("(b) Volume change (compression +)")
     draw_path(path, run, p, q)
     return [style.save(made, run, "curve.png")]
 
@@ -35,7 +35,7 @@ def draw_path(axes, run, p, q):
                   label=rf"critical state, $M_c$ = {slope:g}")
     axes.set(xlabel=r"$p$ (kPa)", ylabel=r"$q$ (kPa)", xlim=(0, None), ylim=(0, None))
     axes.set_title("(c) Stress path")
-    axes.legend(loc="best")
+    axes.legend(loc="upper left", bbox_to_anchor=(0, -0.26), borderaxespad=0)
 
 
 def critical_slope(run):

@@ -63,7 +63,8 @@ def error_bar(run, key, value):
 def draw_threshold(axes, run):
     u, N_d = run.value("u_df_over_D"), run.value("N_df")
     if u is None or N_d is None:
-        axes.plot([], [], " ", label="no failure threshold found")
+        if run.value("threshold_found") is not None:
+            axes.plot([], [], " ", label="no failure threshold found")
         return
     axes.errorbar(u, N_d, xerr=error_bar(run, "u_df_over_D", u),
                   yerr=error_bar(run, "N_df", N_d), fmt="o", ms=5.5, mfc="white", mew=1.4,
