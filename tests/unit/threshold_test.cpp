@@ -131,6 +131,14 @@ TEST(SlopeCurve, is_exact_for_a_quadratic) {
   }
 }
 
+TEST(SlopeCurve, is_the_least_squares_quadratic_on_five_steps) {
+  // Of x^3 the fit gives 3 x^2 + 3.4 h^2, and the means over steps add h^2/4.
+  const Curve curve = rows([](double u) { return 1e4 * u * u * u * u / 4.0; }, 0.4);
+  const auto slopes = slope_curve(curve.u_over_D, curve.N_d);
+  const double x = slopes.u_over_D[12];
+  EXPECT_NEAR(slopes.slope[12] / 1e4, 3.0 * x * x + 3.65e-4, 1e-9);
+}
+
 TEST(SlopeCurve, leaves_out_a_last_step_covered_by_less_than_half) {
   const Curve curve = rows([](double u) { return 40.0 * u * u; }, 0.3525);
   EXPECT_EQ(slope_curve(curve.u_over_D, curve.N_d).N_d.size(), 35u);
@@ -186,6 +194,11 @@ TEST(FailureThreshold, interval_holds_the_knee_under_noise) {
   EXPECT_LE(threshold.N_df_interval.low, threshold.N_df);
   EXPECT_GE(threshold.N_df_interval.high, threshold.N_df);
   EXPECT_GT(threshold.resamples_found, 0.9);
+  const auto narrow =
+      threshold_of(with_noise(rows(knee_at(knee, 620.0, 140.0), 0.9), 1.5), {.confidence = 0.5})
+          .u_df_over_D_interval;
+  EXPECT_GT(narrow.low, threshold.u_df_over_D_interval.low);
+  EXPECT_LT(narrow.high, threshold.u_df_over_D_interval.high);
 }
 
 TEST(FailureThreshold, interval_grows_with_the_noise) {
@@ -224,6 +237,14 @@ TEST(FailureThreshold, is_not_seen_in_a_straight_line) {
 
 TEST(FailureThreshold, is_not_seen_where_the_slope_only_grows) {
   EXPECT_FALSE(threshold_of(rows([](double u) { return 90.0 * u * u * u; }, 0.9)).found);
+}
+
+TEST(FailureThreshold, is_not_seen_where_the_slope_falls_ever_faster) {
+  const auto integral = [](double u) {
+    const double late = std::max(u - 0.4, 0.0);
+    return 250.0 * u * u - 75.0 * u * u * u / 6.0 - 900.0 * late * late * late / 6.0;
+  };
+  EXPECT_FALSE(threshold_of(rows(integral, 0.9)).found);
 }
 
 TEST(FailureThreshold, says_that_a_curve_is_too_short) {
