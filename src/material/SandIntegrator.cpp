@@ -9,7 +9,7 @@ namespace {
 
 constexpr int max_passes = 100'000;
 constexpr double surface_tolerance = 1e-8;    // of p*
-constexpr double smallest_substep = 1e-12;    // of the increment
+constexpr double smallest_part = 1e-12;       // of the increment
 constexpr double vanishing_ratio = 1e-9;      // q/p* below which s has no direction
 constexpr double largest_elastic_part = 0.5;  // relative change of stress between surface checks
 
@@ -36,7 +36,7 @@ bool SandIntegrator::advance(SandPoint& y, SandStrain d) const {
   if (y.p_star < m_floor || y.gap > 1.0) drop_to_floor(y);
   close_gap(y, d);
   Progress progress;
-  for (int pass = 0; pass < max_passes && progress.remaining > 0.0; ++pass) {
+  for (int pass = 0; pass < max_passes && progress.remaining > smallest_part; ++pass) {
     if (at_floor(y) && d.volumetric <= 0.0) {
       drop_to_floor(y);
       y.gap *= std::exp(-progress.remaining * d.volumetric);
@@ -48,7 +48,7 @@ bool SandIntegrator::advance(SandPoint& y, SandStrain d) const {
     if (!k1.loading && elastic_step(y, d, progress)) continue;
     if (!plastic_step(y, d, k1, progress)) return false;
   }
-  return progress.remaining <= 0.0;
+  return progress.remaining <= smallest_part;
 }
 
 void SandIntegrator::drop_to_floor(SandPoint& y) const {
@@ -160,7 +160,7 @@ double SandIntegrator::crossing(const SandPoint& y, const SandStrain& d, double 
   double high = end, above = excess(elastic_path(y, d, end), d);
   double low = 0.0, below = excess(y, d);
   for (double part = 0.5 * end; !(below < -tolerance); part *= 0.5) {
-    if (!(part > smallest_substep * end)) return 0.0;
+    if (!(part > smallest_part * end)) return 0.0;
     below = excess(elastic_path(y, d, part), d);
     if (below < -tolerance) low = part;
   }
@@ -196,42 +196,46 @@ bool SandIntegrator::elastic_step(SandPoint& y, const SandStrain& d, Progress& p
   return true;
 }
 
+/// Modified Euler over a part of the increment, and its distance from Euler relative to the stress.
+SandIntegrator::Trial SandIntegrator::modified_euler(const SandPoint& y, const SandStrain& d,
+                                                     const Rates& k1, double part) const {
+  const double volume_ratio = std::exp(-part * d.volumetric);
+  const SandPoint euler =
+      moved(y, y.p_star + part * k1.p_star, part * k1.s, y.eps_q + part * k1.eps_q, volume_ratio);
+  const Rates k2 = rates(view(euler, d), d);
+  const double half = 0.5 * part;
+  const SandPoint end = moved(y, y.p_star + half * (k1.p_star + k2.p_star), half * (k1.s + k2.s),
+                              y.eps_q + half * (k1.eps_q + k2.eps_q), volume_ratio);
+  const SymmetricTensor ds = half * (k2.s + (-1.0) * k1.s);
+  const double dp = half * (k2.p_star - k1.p_star);
+  return {end, std::sqrt((contract(ds, ds) + 3.0 * dp * dp) /
+                         (contract(end.s, end.s) + 3.0 * end.p_star * end.p_star))};
+}
+
+/// One accepted substep.
 bool SandIntegrator::plastic_step(SandPoint& y, const SandStrain& d, const Rates& k1,
                                   Progress& progress) const {
-  for (;;) {
+  while (progress.substep > smallest_part) {
     const double part = std::min(progress.substep, progress.remaining);
-    if (!(part > smallest_substep)) return false;
-    const double volume_ratio = std::exp(-part * d.volumetric);
     if (y.p_star + part * k1.p_star < 0.5 * y.p_star) {
       progress.substep = 0.25 * part;
       continue;
     }
-    const SandPoint euler =
-        moved(y, y.p_star + part * k1.p_star, part * k1.s, y.eps_q + part * k1.eps_q, volume_ratio);
-    const Rates k2 = rates(view(euler, d), d);
-    const double half = 0.5 * part;
-    SandPoint end = moved(y, y.p_star + half * (k1.p_star + k2.p_star), half * (k1.s + k2.s),
-                          y.eps_q + half * (k1.eps_q + k2.eps_q), volume_ratio);
-
-    const SymmetricTensor ds = half * (k2.s + (-1.0) * k1.s);
-    const double dp = half * (k2.p_star - k1.p_star);
-    const double error = std::sqrt((contract(ds, ds) + 3.0 * dp * dp) /
-                                   (contract(end.s, end.s) + 3.0 * end.p_star * end.p_star));
-    const double factor = std::clamp(0.9 * std::sqrt(m_tolerance / error), 0.1, 2.0);
-    if (!(error <= m_tolerance)) {
-      progress.substep = factor * part;
-      continue;
-    }
+    Trial trial = modified_euler(y, d, k1, part);
+    if (!std::isfinite(trial.error)) return false;
+    const double factor = std::clamp(0.9 * std::sqrt(m_tolerance / trial.error), 0.1, 2.0);
     progress.substep = std::min(1.0, factor * part);
-    if (end.p_star <= m_floor) {
-      stop_at_floor(y, end, d, part, progress);
+    if (trial.error > m_tolerance) continue;
+    if (trial.end.p_star <= m_floor) {
+      stop_at_floor(y, trial.end, d, part, progress);
     } else {
-      return_to_surface(end, d);
-      y = end;
+      return_to_surface(trial.end, d);
+      y = trial.end;
       progress.remaining -= part;
     }
     return true;
   }
+  return false;
 }
 
 void SandIntegrator::stop_at_floor(SandPoint& y, const SandPoint& end, const SandStrain& d,

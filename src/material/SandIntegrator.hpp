@@ -50,6 +50,11 @@ class SandIntegrator {
     double substep = 1.0;    ///< size to try next
   };
 
+  struct Trial {
+    SandPoint end;
+    double error;
+  };
+
   bool at_floor(const SandPoint& y) const { return y.p_star <= m_floor * (1.0 + 1e-12); }
   void drop_to_floor(SandPoint& y) const;
   void close_gap(SandPoint& y, SandStrain& d) const;
@@ -63,6 +68,7 @@ class SandIntegrator {
   double crossing(const SandPoint& y, const SandStrain& d, double end) const;
   bool elastic_step(SandPoint& y, const SandStrain& d, Progress& progress) const;
   bool plastic_step(SandPoint& y, const SandStrain& d, const Rates& k1, Progress& progress) const;
+  Trial modified_euler(const SandPoint& y, const SandStrain& d, const Rates& k1, double part) const;
   void stop_at_floor(SandPoint& y, const SandPoint& end, const SandStrain& d, double part,
                      Progress& progress) const;
   void return_to_surface(SandPoint& y, const SandStrain& d) const;
