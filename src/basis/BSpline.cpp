@@ -86,8 +86,7 @@ auto BSpline<order_>::make_cell(int cell, const std::vector<double>& knots) cons
 
 template <int order_>
 NodeLine BSpline<order_>::nodes() const {
-  NodeLine nodes{m_greville,     {}, support, order / 2, m_ends == EndTreatment::mirror,
-                 m_lines.cells()};
+  NodeLine nodes{m_lines, m_greville, {}, support, order / 2, m_ends == EndTreatment::mirror};
   const std::vector<double> knots = knot_vector(m_lines, m_ends, order);
   for (int a = 0; a < count(); ++a)
     nodes.cell_width.push_back(smallest_difference(knots, a, a + support));

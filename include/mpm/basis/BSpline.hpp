@@ -16,12 +16,12 @@ enum class EndTreatment {
 
 /// The nodes of one direction as the grid sees them: where they stand and how they fold.
 struct NodeLine {
+  KnotLines lines;
   std::vector<double> positions;   ///< Greville abscissae, m
   std::vector<double> cell_width;  ///< smallest knot span in a node's support, m
   int support;                     ///< functions that are not zero on a cell
   int owner_offset;                ///< the rank that owns node c + owner_offset owns cell c
   bool mirrored;                   ///< nodes beyond a wall fold onto node `reflected(a)`
-  int cells;
 
   int count() const { return static_cast<int>(positions.size()); }
   /// Node that node a maps to by reflection at the first wall (for the last wall count from the

@@ -2,11 +2,17 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace mpm {
 
 /// What the process returns to the shell; the numbers are part of the interface.
-enum class ExitCode : int { finished = 0, bad_input = 2, numerical_failure = 3, stopped_early = 75 };
+enum class ExitCode : int {
+  finished = 0,
+  bad_input = 2,
+  numerical_failure = 3,
+  stopped_early = 75
+};
 
 /// Input that cannot be run: names the option, the value given, what is allowed and the remedy.
 /// Thrown before the first step and identically on all ranks.
@@ -19,7 +25,14 @@ class BadInput : public std::runtime_error {
 /// Thrown on all ranks together, after they have agreed on it.
 class NumericalFailure : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit NumericalFailure(const std::string& message, std::string details = "{}")
+      : std::runtime_error(message), m_details(std::move(details)) {}
+
+  /// What is known about the place of the failure, as a JSON object for failure.json.
+  const std::string& details() const { return m_details; }
+
+ private:
+  std::string m_details;
 };
 
 }  // namespace mpm

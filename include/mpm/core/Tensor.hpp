@@ -28,18 +28,25 @@ struct SymmetricTensor {
   }
 };
 
-inline SymmetricTensor operator+(SymmetricTensor a, const SymmetricTensor& b) { return a += b; }
-inline SymmetricTensor operator*(double factor, SymmetricTensor a) { return a *= factor; }
+inline SymmetricTensor operator+(SymmetricTensor a, const SymmetricTensor& b) {
+  return a += b;
+}
+inline SymmetricTensor operator*(double factor, SymmetricTensor a) {
+  return a *= factor;
+}
 
-inline double trace(const SymmetricTensor& a) { return a[0] + a[1] + a[2]; }
+inline double trace(const SymmetricTensor& a) {
+  return a[0] + a[1] + a[2];
+}
 
 /// a : b = a_ij b_ij.
 inline double contract(const SymmetricTensor& a, const SymmetricTensor& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] +
-         2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
 }
 
-inline double norm(const SymmetricTensor& a) { return std::sqrt(contract(a, a)); }
+inline double norm(const SymmetricTensor& a) {
+  return std::sqrt(contract(a, a));
+}
 
 inline double determinant(const SymmetricTensor& a) {
   return a[0] * (a[1] * a[2] - a[4] * a[4]) - a[3] * (a[3] * a[2] - a[4] * a[5]) +

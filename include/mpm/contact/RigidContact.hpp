@@ -1,0 +1,99 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "mpm/contact/Surface.hpp"
+#include "mpm/grid/NodalCondition.hpp"
+#include "mpm/grid/NodalField.hpp"
+#include "mpm/grid/Walls.hpp"
+#include "mpm/transfer/PointDeposit.hpp"
+
+namespace mpm::contact {
+
+/// A body without stress whose velocity is prescribed.
+template <int dim>
+struct RigidBody {
+  std::shared_ptr<const Surface<dim>> surface;
+  Vector<dim> position{};  ///< of the reference point, m
+  Vector<dim> velocity{};  ///< m/s
+
+  Proximity<dim> locate(const Vector<dim>& x) const {
+    Vector<dim> r;
+    for (int d = 0; d < dim; ++d) r[d] = x[d] - position[d];
+    return surface->locate(r);
+  }
+};
+
+/// When two bodies count as touching.
+enum class Detection {
+  velocity,  ///< as soon as they share a node and approach each other (the paper)
+  gap        ///< when, besides, the node is nearer to the surface than a share of a cell
+};
+
+/// Where the contact normal comes from.
+enum class Normal {
+  surface,  ///< the rigid surface itself
+  gradient  ///< the gradient of the rigid body's nodal mass (the paper)
+};
+
+struct ContactOptions {
+  Detection detection = Detection::gap;
+  Normal normal = Normal::surface;
+  double gap_cells = 0.6;          ///< largest distance of a touching node, in cells
+  double friction = 0.0;           ///< Coulomb coefficient mu
+  double reference_density = 1.0;  ///< of the deformable body, kg/m^3: nodes with less than 1e-9
+                                   ///< of a full cell's mass take no part
+};
+
+/// Frictional contact with a rigid body on grid nodes (Bardenhagen et al. 2000; Zhang, Chen & Liu
+/// 2017): where the bodies touch, the closing part of the relative velocity is removed and the
+/// sliding part reduced by at most mu times it. Only the deformable body is corrected.
+template <int dim>
+class RigidContact : public grid::NodalCondition<dim> {
+ public:
+  RigidContact(const grid::Grid<dim>& grid, const grid::Walls<dim>& walls,
+               const transfer::PointDeposit<dim>& deposit, RigidBody<dim> body,
+               const ContactOptions& options);
+
+  /// Fills the rigid body with points, needed where contact is found through its nodal mass.
+  void discretise(std::vector<Vector<dim>> points_from_reference, double volume_of_each);
+
+  RigidBody<dim>& body() { return m_body; }
+  const RigidBody<dim>& body() const { return m_body; }
+
+  void set_friction(double mu) { m_options.friction = mu; }
+
+  void begin_step() override;
+  void correct(const grid::Grid<dim>& grid, const grid::NodalMotion<dim>& motion) override;
+  bool acts_on(int local_node) const override {
+    return m_active[static_cast<std::size_t>(local_node)];
+  }
+
+  /// Impulse of the deformable body on the rigid one since the last call, N s (per metre in plane
+  /// strain), this rank's share.
+  Vector<dim> take_impulse();
+
+ private:
+  /// The normal if the bodies touch at this node.
+  std::optional<Vector<dim>> touching(const grid::Grid<dim>& grid, int local,
+                                      const std::array<int, dim>& node) const;
+
+  const grid::Grid<dim>& m_grid;
+  const grid::Walls<dim>& m_walls;
+  const transfer::PointDeposit<dim>& m_deposit;
+  RigidBody<dim> m_body;
+  ContactOptions m_options;
+  std::vector<Vector<dim>> m_points;
+  double m_point_volume = 0.0;
+  grid::NodalField<dim> m_rigid_mass;  ///< nodal volume of the rigid body and its gradient
+  std::vector<bool> m_active;
+  Vector<dim> m_impulse{};
+};
+
+extern template class RigidContact<1>;
+extern template class RigidContact<2>;
+extern template class RigidContact<3>;
+
+}  // namespace mpm::contact

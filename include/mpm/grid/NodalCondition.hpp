@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+
+#include "mpm/grid/Grid.hpp"
+
+namespace mpm::grid {
+
+/// Mass, momentum and, in the first mapping of a step, force on a rank's nodes.
+template <int dim>
+struct NodalMotion {
+  const double* mass;
+  std::array<double*, dim> momentum;
+  /// Null in the second mapping (Eq. 9), where no impulse reaches the particles.
+  std::array<double*, dim> force{};
+  /// Time over which the force has changed the momentum, s.
+  double dt = 0.0;
+
+  bool is_first_mapping() const { return force[0] != nullptr; }
+};
+
+/// Something that acts on the motion of nodes in both mappings of a step: a rigid body, a
+/// prescribed velocity.
+template <int dim>
+class NodalCondition {
+ public:
+  virtual ~NodalCondition() = default;
+  /// Called once per step before the first mapping's nodes are corrected. Collective.
+  virtual void begin_step() {}
+  /// Corrects momentum, and force where there is one, of owned nodes. Local.
+  virtual void correct(const Grid<dim>& grid, const NodalMotion<dim>& motion) = 0;
+  /// Whether the last correction acted on a node; such nodes are not damped.
+  virtual bool acts_on(int /*local_node*/) const { return false; }
+};
+
+}  // namespace mpm::grid

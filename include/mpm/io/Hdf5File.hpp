@@ -1,0 +1,47 @@
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mpm::io {
+
+/// An HDF5 file that all ranks write together. It is written as `path.part` and gets its name
+/// when closed, so that a file of that name is always whole. All calls are collective; failures
+/// throw NumericalFailure on all ranks.
+class Hdf5File {
+ public:
+  explicit Hdf5File(std::string path);
+  ~Hdf5File();
+  Hdf5File(const Hdf5File&) = delete;
+  Hdf5File& operator=(const Hdf5File&) = delete;
+
+  void attribute(const std::string& name, double value);
+  void attribute(const std::string& name, std::int64_t value);
+
+  /// Rows of all ranks one after another: `rows` of `columns` values each from this rank.
+  template <class Value>
+  void rows(const std::string& name, const std::vector<Value>& values, int columns);
+
+  /// An array of up to three directions, slowest first, of which this rank holds a box.
+  struct Block {
+    std::vector<hsize_t> global, first, local;
+  };
+  template <class Value>
+  void block(const std::string& name, const std::vector<Value>& values, const Block& block);
+
+  /// Flushes, closes and renames.
+  void close();
+
+ private:
+  void write(const std::string& name, hid_t type, const void* data, const Block& block);
+  void attribute(const std::string& name, hid_t type, const void* value);
+  void check(bool ok, const std::string& what) const;
+
+  std::string m_path;
+  hid_t m_file = H5I_INVALID_HID;
+};
+
+}  // namespace mpm::io

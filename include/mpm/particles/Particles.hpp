@@ -1,0 +1,153 @@
+#pragma once
+
+#include <petscdmswarm.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mpm/grid/Grid.hpp"
+#include "mpm/material/Material.hpp"
+#include "mpm/petsc/Handle.hpp"
+
+namespace mpm::particles {
+
+/// What a particle field is. One declaration: registration, migration, sorting and output follow.
+struct Field {
+  enum class Shape { scalar, vector, tensor };
+  std::string name;
+  std::string long_name;  ///< for people, with the sign convention
+  std::string unit;
+  Shape shape;
+};
+
+using Materials = std::vector<std::shared_ptr<const material::Material>>;
+
+/// A particle to be made.
+template <int dim>
+struct Seed {
+  std::int64_t id;  ///< unique over all ranks and independent of their number
+  Vector<dim> position;
+  Vector<dim> velocity{};
+  double volume;  ///< m^3 per unit of the dimensions left out
+  int material = 0;
+};
+
+/// Pointers into the swarm's arrays, one per scalar component. While one exists the swarm cannot
+/// change its size.
+template <int dim>
+class ParticleView {
+ public:
+  explicit ParticleView(DM swarm, std::span<const std::string> state_names);
+  ~ParticleView();
+  ParticleView(const ParticleView&) = delete;
+  ParticleView& operator=(const ParticleView&) = delete;
+
+  int count = 0;
+  std::array<double*, dim> position, velocity, displacement;
+  double* mass = nullptr;
+  double* volume = nullptr;
+  std::array<double*, SymmetricTensor::size> stress{};  ///< null where a component is always zero
+  double* deviatoric_strain = nullptr;                  ///< sum of sqrt(2/3 e:e) of the increments
+  std::int64_t* id = nullptr;
+  PetscInt* material = nullptr;
+  /// State variables of the laws, in the order of Particles::state_names().
+  std::vector<double*> state;
+
+  Vector<dim> position_of(int p) const { return gather(position, p); }
+  Vector<dim> velocity_of(int p) const { return gather(velocity, p); }
+
+ private:
+  static Vector<dim> gather(const std::array<double*, dim>& field, int p) {
+    Vector<dim> value;
+    for (int d = 0; d < dim; ++d) value[d] = field[d][p];
+    return value;
+  }
+  void* open(const std::string& name);
+
+  DM m_swarm;
+  std::vector<std::pair<std::string, void*>> m_open;
+};
+
+/// The material points: a DMSwarm (BASIC) with one field per scalar component, kept in the order
+/// material, cell. Particles may drift one cell past their rank's cells before they migrate.
+template <int dim>
+class Particles {
+ public:
+  /// Collective. `grid` must outlive the particles.
+  Particles(const grid::Grid<dim>& grid, Materials materials);
+
+  /// Adds particles that lie in cells of this rank, then sorts. Collective.
+  void add(std::span<const Seed<dim>> seeds);
+
+  /// Sends every particle to the rank that owns its cell, checks that none was lost, and sorts.
+  /// Collective; throws NumericalFailure on all ranks if one left the grid.
+  void migrate();
+
+  /// Orders the particles of this rank by material and cell. Local.
+  void sort();
+
+  ParticleView<dim> view() const { return ParticleView<dim>(m_swarm, m_state_names); }
+
+  /// The particles [first, last) of a material after the last sort.
+  struct Range {
+    int first = 0;
+    int last = 0;
+  };
+  Range range_of(int material) const { return m_ranges[static_cast<std::size_t>(material)]; }
+  /// Views of one material's stress and state; the strain increments are left to the caller.
+  material::Batch batch_of(const ParticleView<dim>& view, int material) const;
+
+  int local_count() const;
+  long long global_count() const { return m_global_count; }
+  const Materials& materials() const { return m_materials; }
+  const std::vector<std::string>& state_names() const { return m_state_names; }
+  /// All fields that are written out, in order.
+  const std::vector<Field>& fields() const { return m_fields; }
+  /// Memory of one particle in the swarm, bytes.
+  std::size_t bytes_per_particle() const;
+
+ private:
+  struct Column {
+    std::string name;
+    std::size_t bytes;
+  };
+
+  void declare_fields();
+  void register_column(const std::string& name, PetscDataType type);
+  void register_fields();
+  std::vector<std::byte*> open_columns() const;
+  void close_columns(std::vector<std::byte*>& columns) const;
+  std::vector<int> destinations() const;
+  std::vector<std::byte> pack(std::span<const int> leaving) const;
+  void unpack(std::span<const std::byte> data, int first);
+  void remove(std::span<const int> leaving);
+  std::vector<int> sort_keys(const ParticleView<dim>& view) const;
+  void permute(std::span<const int> order);
+  void fill(const Seed<dim>& seed, const ParticleView<dim>& view, int p) const;
+
+  const grid::Grid<dim>& m_grid;
+  Materials m_materials;
+  std::vector<std::string> m_state_names;
+  std::vector<std::vector<std::size_t>> m_state_of_material;  ///< indices into m_state_names
+  std::vector<Field> m_fields;
+  std::vector<Column> m_columns;
+  petsc::DmHandle m_swarm;
+  std::vector<Range> m_ranges;
+  long long m_global_count = 0;
+};
+
+/// Names of the scalar columns of a field: position_x, stress_xy, mass.
+template <int dim>
+std::vector<std::string> column_names(const Field& field);
+
+extern template class ParticleView<1>;
+extern template class ParticleView<2>;
+extern template class ParticleView<3>;
+extern template class Particles<1>;
+extern template class Particles<2>;
+extern template class Particles<3>;
+
+}  // namespace mpm::particles

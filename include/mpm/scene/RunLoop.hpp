@@ -1,0 +1,68 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mpm/io/FieldOutput.hpp"
+#include "mpm/io/Summary.hpp"
+#include "mpm/scene/Progress.hpp"
+#include "mpm/scene/RunOptions.hpp"
+#include "mpm/solver/Simulation.hpp"
+
+namespace mpm::scene {
+
+/// A part of a run with its own end. All functions are called on all ranks.
+struct Stage {
+  std::string name;
+  /// The stage is over at 1; also drives the progress line.
+  std::function<double()> share_done;
+  std::function<void()> before_step;
+  std::function<void()> after_step;
+  /// Short text for the progress line, from values at hand (no communication).
+  std::function<std::string()> status;
+  /// Time at which the stage ends, if known: the last step is cut to meet it.
+  double end_time = 0.0;  ///< s within the stage; 0 if unknown
+};
+
+/// Drives the steps of a simulation through stages; owns outputs, progress and timing.
+template <int dim>
+class RunLoop {
+ public:
+  /// Collective.
+  RunLoop(const RunOptions& options, solver::Simulation<dim>& simulation);
+
+  /// Returns false if the run as a whole is over (-end_time, -max_steps). Collective.
+  bool run(const Stage& stage);
+
+  /// Writes particles and grid now; `numbers` go with it as attributes. Collective.
+  void write_fields(std::vector<std::pair<std::string, double>> numbers = {});
+  /// Numbers to go with outputs that the loop itself decides on.
+  void set_output_numbers(std::function<std::vector<std::pair<std::string, double>>()> numbers) {
+    m_output_numbers = std::move(numbers);
+  }
+
+  /// Ranks, cells, particles, steps, speed and memory; mass and momentum at the end. Collective.
+  void summarise(io::Summary& summary) const;
+
+ private:
+  bool is_over() const;
+  void limit_step(const Stage& stage);
+  void write_due_fields();
+
+  const RunOptions& m_options;
+  solver::Simulation<dim>& m_simulation;
+  io::FieldOutput<dim> m_output;
+  Progress m_progress;
+  std::function<std::vector<std::pair<std::string, double>>()> m_output_numbers;
+  std::vector<double> m_times_left;
+  double m_seconds_in_steps = 0.0;
+  double m_initial_mass;
+};
+
+extern template class RunLoop<1>;
+extern template class RunLoop<2>;
+extern template class RunLoop<3>;
+
+}  // namespace mpm::scene

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mpm/basis/BSpline.hpp"
+#include "mpm/options/OptionSet.hpp"
+
+namespace mpm::scene {
+
+enum class ProgressDisplay { automatic, on, off };
+
+/// Options that every scene on a grid has. A scene sets its own defaults before declaring them.
+struct RunOptions {
+  std::string output_dir;
+  basis::EndTreatment ends = basis::EndTreatment::mirror;
+  double courant = 0.9;
+  std::int64_t particles_per_cell_direction = 2;
+  std::int64_t particle_output_every = 0;
+  std::vector<double> particle_output_times;
+  std::int64_t history_every = 0;
+  std::optional<double> end_time;
+  std::int64_t max_steps = 0;
+  ProgressDisplay progress = ProgressDisplay::automatic;
+
+  void declare(options::OptionSet& options);
+
+ private:
+  // One choice each so far; a second one makes them real alternatives.
+  enum class OnlyOne { house };
+  OnlyOne m_basis = OnlyOne::house;
+  OnlyOne m_update = OnlyOne::house;
+  OnlyOne m_transfer = OnlyOne::house;
+};
+
+}  // namespace mpm::scene

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mpm/basis/BSpline.hpp"
+#include "mpm/grid/Walls.hpp"
+#include "mpm/particles/Particles.hpp"
+#include "mpm/particles/Seeding.hpp"
+#include "mpm/solver/RunState.hpp"
+#include "mpm/solver/Step.hpp"
+
+namespace mpm::solver {
+
+/// What a scene puts together to get a simulation.
+template <int dim>
+struct SimulationSetup {
+  std::array<basis::KnotLines, dim> lines;
+  basis::EndTreatment ends = basis::EndTreatment::mirror;
+  typename grid::Walls<dim>::Kinds walls{};
+  particles::Materials materials;
+  particles::Filling<dim> filling;
+  Vector<dim> gravity{};  ///< m/s^2
+  double courant = 0.9;   ///< share of h/(c + |v|)
+};
+
+/// Grid, particles and step of one run, and the clock that drives them.
+template <int dim>
+class Simulation {
+ public:
+  /// Lays out the grid over the ranks, seeds the particles. Collective.
+  explicit Simulation(const SimulationSetup<dim>& setup);
+
+  /// Advances by one step: renews dt when due, keeps particles sorted and on their ranks. Throws
+  /// NumericalFailure on all ranks if a particle left the grid or a stress is not finite, naming
+  /// the particle. Collective.
+  void advance();
+
+  /// dt no longer than this, e.g. to end at a given time; the smallest limit holds and is forgotten
+  /// after the next step.
+  void limit_next_step(double dt) { m_dt_limit = std::min(m_dt_limit, dt); }
+
+  /// Sets velocities, displacements and accumulated strain to zero and halves the next change of
+  /// momentum: the start of a stage from rest. Local.
+  void start_from_rest();
+
+  /// Rigid bodies and the like, which act on nodes in the order they were added.
+  void add_condition(std::shared_ptr<grid::NodalCondition<dim>> condition);
+
+  void set_damping(double damping) { m_options.damping = damping; }
+  const Vector<dim>& gravity() const { return m_options.body_force.uniform; }
+  /// A body force that depends on the undeformed position, in place of gravity; m/s^2.
+  void set_body_force(std::function<Vector<dim>(const Vector<dim>&)> field) {
+    m_options.body_force.at_reference_position = std::move(field);
+  }
+
+  const RunState& state() const { return m_state; }
+  RunState& state() { return m_state; }
+  const grid::Grid<dim>& grid() const { return *m_grid; }
+  const grid::Walls<dim>& walls() const { return m_walls; }
+  particles::Particles<dim>& particles() { return *m_particles; }
+  const particles::Particles<dim>& particles() const { return *m_particles; }
+  const Step<dim>& step() const { return *m_step; }
+
+  /// Sum of |f| over all nodes without damping, as a share of the weight sum m g. Collective.
+  double out_of_balance() const;
+  /// Sum of m v^2/2 over all particles, J. Collective.
+  double kinetic_energy() const;
+  Vector<dim> momentum() const;
+  double total_mass() const;
+  /// Largest over mean number of particles of a rank. Collective.
+  double imbalance() const;
+
+ private:
+  static std::unique_ptr<grid::Grid<dim>> make_grid(const SimulationSetup<dim>& setup);
+  void seed(const SimulationSetup<dim>& setup);
+  void renew_time_step();
+  void agree(const StepReport& report);
+  std::string describe(int particle) const;
+
+  std::unique_ptr<grid::Grid<dim>> m_grid;
+  grid::Walls<dim> m_walls;
+  std::unique_ptr<particles::Particles<dim>> m_particles;
+  std::vector<std::shared_ptr<grid::NodalCondition<dim>>> m_owned_conditions;
+  Conditions<dim> m_conditions;
+  std::unique_ptr<Step<dim>> m_step;
+  StepOptions<dim> m_options;
+  double m_courant;
+  double m_dt_limit;
+  RunState m_state;
+};
+
+extern template class Simulation<1>;
+extern template class Simulation<2>;
+extern template class Simulation<3>;
+
+}  // namespace mpm::solver

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "mpm/core/Tensor.hpp"
+#include "mpm/grid/NodalField.hpp"
+#include "mpm/particles/Particles.hpp"
+#include "mpm/transfer/Stencil.hpp"
+
+namespace mpm::transfer {
+
+/// Slices of a nodal field read as mass, momentum and force.
+template <int dim>
+struct MassMomentumForce {
+  explicit MassMomentumForce(grid::NodalField<dim>& field) : mass(field.values(0)) {
+    for (int d = 0; d < dim; ++d) {
+      momentum[d] = field.values(1 + d);
+      force[d] = field.values(1 + dim + d);
+    }
+  }
+  static std::vector<grid::Component> components();
+
+  double* mass;
+  std::array<double*, dim> momentum, force;
+};
+
+/// Slices of a nodal field read as velocity and acceleration.
+template <int dim>
+struct VelocityAcceleration {
+  explicit VelocityAcceleration(grid::NodalField<dim>& field) {
+    for (int d = 0; d < dim; ++d) {
+      velocity[d] = field.values(d);
+      acceleration[d] = field.values(dim + d);
+    }
+  }
+  static std::vector<grid::Component> components();
+
+  std::array<double*, dim> velocity, acceleration;
+};
+
+/// Slices of a nodal field read as one vector.
+template <int dim>
+struct NodalVector {
+  explicit NodalVector(grid::NodalField<dim>& field) {
+    for (int d = 0; d < dim; ++d) value[d] = field.values(d);
+  }
+  static std::vector<grid::Component> components();
+
+  std::array<double*, dim> value;
+};
+
+/// D dt per particle (tension positive) and the entries of the spin W dt: W_xy, W_yz, W_xz.
+struct Increments {
+  std::array<std::vector<double>, SymmetricTensor::size> strain;
+  std::array<std::vector<double>, 3> spin;
+
+  void resize(std::size_t particles, int dim);
+};
+
+/// Acceleration by body forces, m/s^2.
+template <int dim>
+struct BodyForce {
+  Vector<dim> uniform{};
+  /// Replaces the uniform one where set: a function of the undeformed position, which is the
+  /// position less the displacement.
+  std::function<Vector<dim>(const Vector<dim>&)> at_reference_position;
+};
+
+/// What a sweep found out about particles that moved too far.
+struct Drift {
+  bool must_migrate = false;  ///< one has left the cells this rank can carry
+  int lost = -1;              ///< one that has left the grid or has no finite position, or -1
+};
+
+/// Deposits m_I, p_I and f_I = f_int + f_ext of this rank's particles (Eqs. 1-5, body force b).
+/// Adds to the local arrays; ghosts are to be summed afterwards.
+template <int dim, class Basis>
+void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
+                                 Stencil<dim, Basis> stencil, const BodyForce<dim>& body_force,
+                                 const MassMomentumForce<dim>& nodes);
+
+/// v_p += sum a_I N_Ip dt (Eq. 7), then p_I += m_p v_p N_Ip from the new velocities (Eq. 9).
+/// Reads ghosts of the acceleration.
+template <int dim, class Basis>
+void update_velocities_and_deposit_momentum(const particles::ParticleView<dim>& particles,
+                                            Stencil<dim, Basis> stencil, double dt,
+                                            const VelocityAcceleration<dim>& nodes,
+                                            const NodalVector<dim>& momentum);
+
+/// Strain and spin increments from the remapped velocity, then x_p += sum v_I N_Ip dt from the
+/// first one (Eq. 8). Both use the weights of the old position. Reads ghosts of both.
+template <int dim, class Basis>
+Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
+                                 Stencil<dim, Basis> stencil, double dt,
+                                 const VelocityAcceleration<dim>& nodes,
+                                 const NodalVector<dim>& remapped_velocity,
+                                 const grid::Grid<dim>& grid, Increments& increments);
+
+/// sigma <- Q sigma Q^T with Q = (1 - W dt/2)^-1 (1 + W dt/2) (Hughes and Winget), which keeps
+/// the norm of the stress; V <- V exp(tr D dt); accumulates sqrt(2/3 e:e).
+template <int dim>
+void rotate_and_expand(const particles::ParticleView<dim>& particles, const Increments& increments);
+
+}  // namespace mpm::transfer

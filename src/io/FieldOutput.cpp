@@ -1,0 +1,233 @@
+#include "mpm/io/FieldOutput.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numeric>
+
+#include "mpm/io/Hdf5File.hpp"
+#include "mpm/io/TextFile.hpp"
+#include "mpm/petsc/Session.hpp"
+
+namespace mpm::io {
+namespace {
+
+int world_rank() {
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  return rank;
+}
+
+/// N x 3 from the components that the dimension has, the rest zero.
+template <int dim>
+std::vector<double> as_vectors(const std::array<double*, dim>& components, int count) {
+  std::vector<double> rows(static_cast<std::size_t>(3 * count), 0.0);
+  for (int p = 0; p < count; ++p)
+    for (int d = 0; d < dim; ++d) rows[static_cast<std::size_t>(3 * p + d)] = components[d][p];
+  return rows;
+}
+
+std::vector<float> to_float(const std::vector<double>& values) {
+  return {values.begin(), values.end()};
+}
+
+/// Stress as xx yy zz xy yz xz, with p and q (compression positive).
+struct StressOutput {
+  std::vector<float> stress, p, q;
+};
+
+template <int dim>
+StressOutput stress_output(const particles::ParticleView<dim>& view) {
+  StressOutput output;
+  for (int p = 0; p < view.count; ++p) {
+    SymmetricTensor stress;
+    for (int k = 0; k < tensor_components<dim>; ++k) stress[k] = view.stress[k][p];
+    for (int k = 0; k < SymmetricTensor::size; ++k)
+      output.stress.push_back(static_cast<float>(stress[k]));
+    output.p.push_back(static_cast<float>(-trace(stress) / 3.0));
+    output.q.push_back(static_cast<float>(std::sqrt(1.5) * norm(deviator(stress))));
+  }
+  return output;
+}
+
+void write_attributes(Hdf5File& file, const Moment& moment) {
+  file.attribute("time_s", moment.time);
+  file.attribute("step", static_cast<std::int64_t>(moment.step));
+  for (const auto& [name, value] : moment.numbers) file.attribute(name, value);
+}
+
+struct XdmfArray {
+  std::string name;
+  std::string type;    ///< Scalar, Vector, Matrix (six components as stored)
+  std::string number;  ///< NumberType and Precision
+  int columns;
+};
+
+std::string data_item(const std::string& dimensions, const std::string& number,
+                      const std::string& location) {
+  return fmt::format("<DataItem Format=\"HDF\" Dimensions=\"{}\" {}>{}</DataItem>", dimensions,
+                     number, location);
+}
+
+constexpr auto float_number = "NumberType=\"Float\" Precision=\"4\"";
+constexpr auto double_number = "NumberType=\"Float\" Precision=\"8\"";
+
+std::string attribute(const XdmfArray& array, const std::string& centre,
+                      const std::string& dimensions, const std::string& file) {
+  return fmt::format(
+      "      <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">{}</Attribute>\n",
+      array.name, array.type, centre,
+      data_item(dimensions, array.number, file + ":/" + array.name));
+}
+
+std::string collection(const std::string& name, const std::vector<std::string>& grids) {
+  std::string text =
+      "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
+      "    <Grid Name=\"" +
+      name + "\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+  for (const std::string& grid : grids) text += grid;
+  return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";
+}
+
+}  // namespace
+
+template <int dim>
+FieldOutput<dim>::FieldOutput(std::string directory) : m_directory(std::move(directory)) {
+  if (world_rank() != 0) return;
+  for (const auto& entry : std::filesystem::directory_iterator(m_directory)) {
+    const std::string name = entry.path().filename().string();
+    const bool ours = name.starts_with("particles") || name.starts_with("grid");
+    if (ours && (name.ends_with(".h5") || name.ends_with(".xdmf") || name.ends_with(".part")))
+      std::filesystem::remove(entry.path());
+  }
+}
+
+template <int dim>
+std::string FieldOutput<dim>::path(const char* kind) const {
+  return fmt::format("{}_{:06}.h5", kind, count());
+}
+
+template <int dim>
+void FieldOutput<dim>::write(const Moment& moment, const particles::Particles<dim>& particles,
+                             const grid::Grid<dim>& grid,
+                             const grid::NodalField<dim>& mass_and_momentum) {
+  const std::string particle_grid = write_particles(moment, particles);
+  const std::string node_grid = write_grid(moment, grid, mass_and_momentum);
+  m_particle_grids.push_back(particle_grid);
+  m_node_grids.push_back(node_grid);
+  write_text_file(m_directory + "/particles.xdmf", collection("particles", m_particle_grids));
+  write_text_file(m_directory + "/grid.xdmf", collection("grid", m_node_grids));
+}
+
+template <int dim>
+std::string FieldOutput<dim>::write_particles(const Moment& moment,
+                                              const particles::Particles<dim>& particles) {
+  const particles::ParticleView<dim> view = particles.view();
+  const auto local = static_cast<std::size_t>(view.count);
+  const std::string name = path("particles");
+  Hdf5File file(m_directory + "/" + name);
+  write_attributes(file, moment);
+  std::vector<XdmfArray> arrays;
+  auto scalar = [&](const std::string& dataset, const std::vector<float>& values) {
+    file.rows(dataset, values, 1);
+    arrays.push_back({dataset, "Scalar", float_number, 1});
+  };
+  auto vector = [&](const std::string& dataset, const std::array<double*, dim>& components) {
+    file.rows(dataset, to_float(as_vectors<dim>(components, view.count)), 3);
+    arrays.push_back({dataset, "Vector", float_number, 3});
+  };
+  auto integers = [&](const std::string& dataset, const auto& values, int precision) {
+    file.rows(dataset, values, 1);
+    arrays.push_back(
+        {dataset, "Scalar", fmt::format("NumberType=\"Int\" Precision=\"{}\"", precision), 1});
+  };
+  file.rows("position", as_vectors<dim>(view.position, view.count), 3);
+  std::vector<std::int32_t> connectivity(local);
+  std::iota(connectivity.begin(), connectivity.end(), 0);
+  const long long count = particles.global_count();
+  long long before = static_cast<long long>(local);
+  MPI_Scan(MPI_IN_PLACE, &before, 1, MPI_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
+  for (std::int32_t& index : connectivity)
+    index += static_cast<std::int32_t>(before - static_cast<long long>(local));
+  file.rows("connectivity", connectivity, 1);
+
+  vector("velocity", view.velocity);
+  vector("displacement", view.displacement);
+  const StressOutput stress = stress_output<dim>(view);
+  file.rows("stress", stress.stress, SymmetricTensor::size);
+  arrays.push_back({"stress", "Matrix", float_number, SymmetricTensor::size});
+  scalar("p", stress.p);
+  scalar("q", stress.q);
+  scalar("deviatoric_strain", {view.deviatoric_strain, view.deviatoric_strain + view.count});
+  scalar("volume", {view.volume, view.volume + view.count});
+  for (std::size_t s = 0; s < view.state.size(); ++s)
+    scalar(particles.state_names()[s], {view.state[s], view.state[s] + view.count});
+  integers("id", std::vector<std::int64_t>(view.id, view.id + view.count), 8);
+  integers("material", std::vector<std::int32_t>(view.material, view.material + view.count), 4);
+  integers("rank", std::vector<std::int32_t>(local, world_rank()), 4);
+  file.close();
+
+  std::string grid = fmt::format(
+      "    <Grid Name=\"particles\">\n      <Time Value=\"{}\"/>\n"
+      "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\">"
+      "{}</Topology>\n      <Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
+      moment.time, count,
+      data_item(std::to_string(count), "NumberType=\"Int\" Precision=\"4\"",
+                name + ":/connectivity"),
+      data_item(fmt::format("{} 3", count), double_number, name + ":/position"));
+  for (const XdmfArray& array : arrays)
+    grid += attribute(
+        array, "Node",
+        array.columns == 1 ? std::to_string(count) : fmt::format("{} {}", count, array.columns),
+        name);
+  return grid + "    </Grid>\n";
+}
+
+/// Nodal mass and velocity on the rectilinear mesh of the nodes (Greville abscissae).
+template <int dim>
+std::string FieldOutput<dim>::write_grid(const Moment& moment, const grid::Grid<dim>& grid,
+                                         const grid::NodalField<dim>& sums) {
+  const std::string name = path("grid");
+  Hdf5File file(m_directory + "/" + name);
+  write_attributes(file, moment);
+  Hdf5File::Block block{{1, 1, 1}, {0, 0, 0}, {1, 1, 1}};
+  for (int d = 0; d < dim; ++d) {
+    block.global[2 - d] = static_cast<hsize_t>(grid.nodes(d).count());
+    block.first[2 - d] = static_cast<hsize_t>(grid.owned_nodes().begin[d]);
+    block.local[2 - d] = static_cast<hsize_t>(grid.owned_nodes().extent(d));
+  }
+  const std::string shape =
+      fmt::format("{} {} {}", block.global[0], block.global[1], block.global[2]);
+  std::string xdmf = fmt::format(
+      "    <Grid Name=\"grid\">\n      <Time Value=\"{}\"/>\n"
+      "      <Topology TopologyType=\"3DRectMesh\" Dimensions=\"{}\"/>\n"
+      "      <Geometry GeometryType=\"VXVYVZ\">",
+      moment.time, shape);
+  for (int d = 0; d < 3; ++d) {
+    const std::vector<double> line = d < dim ? grid.nodes(d).positions : std::vector<double>{0.0};
+    const std::string dataset = fmt::format("nodes_{}", "xyz"[d]);
+    file.rows(dataset, world_rank() == 0 ? line : std::vector<double>{}, 1);
+    xdmf += data_item(std::to_string(line.size()), double_number, name + ":/" + dataset);
+  }
+  xdmf += "</Geometry>\n";
+  auto write = [&](const std::string& dataset, const auto& value_at) {
+    std::vector<double> values;
+    grid.for_each_owned_node([&](int I, const auto&) { values.push_back(value_at(I)); });
+    file.block(dataset, values, block);
+    xdmf += attribute({dataset, "Scalar", double_number, 1}, "Node", shape, name);
+  };
+  const double* mass = sums.values(0);
+  write("mass", [&](int I) { return mass[I]; });
+  for (int d = 0; d < dim; ++d)
+    write(fmt::format("velocity_{}", "xyz"[d]),
+          [&](int I) { return mass[I] > 0.0 ? sums.values(1 + d)[I] / mass[I] : 0.0; });
+  file.close();
+  return xdmf + "    </Grid>\n";
+}
+
+template class FieldOutput<1>;
+template class FieldOutput<2>;
+template class FieldOutput<3>;
+
+}  // namespace mpm::io

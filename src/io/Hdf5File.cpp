@@ -1,0 +1,143 @@
+#include "mpm/io/Hdf5File.hpp"
+
+#include <fmt/format.h>
+#include <mpi.h>
+#include <petscsys.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include "mpm/core/Errors.hpp"
+
+namespace mpm::io {
+namespace {
+
+template <class Value>
+hid_t native_type();
+template <>
+hid_t native_type<double>() {
+  return H5T_NATIVE_DOUBLE;
+}
+template <>
+hid_t native_type<float>() {
+  return H5T_NATIVE_FLOAT;
+}
+template <>
+hid_t native_type<std::int64_t>() {
+  return H5T_NATIVE_INT64;
+}
+template <>
+hid_t native_type<std::int32_t>() {
+  return H5T_NATIVE_INT32;
+}
+
+hsize_t product(const std::vector<hsize_t>& factors) {
+  hsize_t result = 1;
+  for (hsize_t factor : factors) result *= factor;
+  return result;
+}
+
+}  // namespace
+
+/// Agrees over all ranks, so that none waits for another that has given up.
+void Hdf5File::check(bool ok, const std::string& what) const {
+  int all_ok = ok ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &all_ok, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
+  if (all_ok == 0)
+    throw NumericalFailure(fmt::format(
+        "cannot {} '{}': check that the directory exists, can be written and is not full", what,
+        m_path));
+}
+
+Hdf5File::Hdf5File(std::string path) : m_path(std::move(path)) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // our message replaces HDF5's trace
+  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  H5Pset_fapl_mpio(access, PETSC_COMM_WORLD, MPI_INFO_NULL);
+  m_file = H5Fcreate((m_path + ".part").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  H5Pclose(access);
+  check(m_file >= 0, "create");
+}
+
+Hdf5File::~Hdf5File() {
+  if (m_file >= 0) H5Fclose(m_file);
+}
+
+void Hdf5File::attribute(const std::string& name, hid_t type, const void* value) {
+  const hid_t space = H5Screate(H5S_SCALAR);
+  const hid_t id = H5Acreate2(m_file, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT);
+  const bool ok = id >= 0 && H5Awrite(id, type, value) >= 0;
+  if (id >= 0) H5Aclose(id);
+  H5Sclose(space);
+  check(ok, "write attribute " + name + " to");
+}
+
+void Hdf5File::attribute(const std::string& name, double value) {
+  attribute(name, H5T_NATIVE_DOUBLE, &value);
+}
+
+void Hdf5File::attribute(const std::string& name, std::int64_t value) {
+  attribute(name, H5T_NATIVE_INT64, &value);
+}
+
+void Hdf5File::write(const std::string& name, hid_t type, const void* data, const Block& block) {
+  const auto rank = static_cast<int>(block.global.size());
+  const hid_t file_space = H5Screate_simple(rank, block.global.data(), nullptr);
+  const hid_t memory_space = H5Screate_simple(rank, block.local.data(), nullptr);
+  if (product(block.local) == 0) {
+    H5Sselect_none(file_space);
+    H5Sselect_none(memory_space);
+  } else {
+    H5Sselect_hyperslab(file_space, H5S_SELECT_SET, block.first.data(), nullptr, block.local.data(),
+                        nullptr);
+  }
+  const hid_t set =
+      H5Dcreate2(m_file, name.c_str(), type, file_space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t transfer = H5Pcreate(H5P_DATASET_XFER);
+  H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
+  const bool ok = set >= 0 && H5Dwrite(set, type, memory_space, file_space, transfer, data) >= 0;
+  H5Pclose(transfer);
+  if (set >= 0) H5Dclose(set);
+  H5Sclose(memory_space);
+  H5Sclose(file_space);
+  check(ok, "write " + name + " to");
+}
+
+template <class Value>
+void Hdf5File::block(const std::string& name, const std::vector<Value>& values,
+                     const Block& block) {
+  write(name, native_type<Value>(), values.data(), block);
+}
+
+template <class Value>
+void Hdf5File::rows(const std::string& name, const std::vector<Value>& values, int columns) {
+  const auto width = static_cast<hsize_t>(columns);
+  const unsigned long long local = values.size() / width;
+  unsigned long long first = 0, global = 0;
+  MPI_Exscan(&local, &first, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
+  MPI_Allreduce(&local, &global, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
+  Block block{{global}, {first}, {local}};
+  if (columns > 1) {
+    block.global.push_back(width);
+    block.first.push_back(0);
+    block.local.push_back(width);
+  }
+  write(name, native_type<Value>(), values.data(), block);
+}
+
+void Hdf5File::close() {
+  const bool closed = H5Fclose(std::exchange(m_file, H5I_INVALID_HID)) >= 0;
+  check(closed, "close");
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  check(rank != 0 || std::rename((m_path + ".part").c_str(), m_path.c_str()) == 0, "rename");
+}
+
+template void Hdf5File::rows(const std::string&, const std::vector<double>&, int);
+template void Hdf5File::rows(const std::string&, const std::vector<float>&, int);
+template void Hdf5File::rows(const std::string&, const std::vector<std::int64_t>&, int);
+template void Hdf5File::rows(const std::string&, const std::vector<std::int32_t>&, int);
+template void Hdf5File::block(const std::string&, const std::vector<double>&, const Block&);
+
+}  // namespace mpm::io

@@ -1,0 +1,31 @@
+#include "mpm/io/Summary.hpp"
+
+#include <cstdlib>
+
+#include "mpm/io/TextFile.hpp"
+
+namespace mpm::io {
+
+void Summary::add_options(const options::OptionSet& options) {
+  for (const auto& [name, value] : options.values()) {
+    char* end = nullptr;
+    const double number = std::strtod(value.c_str(), &end);
+    const bool is_number = !value.empty() && *end == '\0';
+    if (is_number)
+      m_values["option_" + name] = number;
+    else
+      m_values["option_" + name] = value;
+  }
+}
+
+std::string Summary::text(const std::string& key) const {
+  if (!has(key)) return "";
+  const auto& value = m_values.at(key);
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+void Summary::write(const std::string& directory) const {
+  write_text_file(directory + "/summary.json", m_values.dump(2) + "\n");
+}
+
+}  // namespace mpm::io

@@ -1,0 +1,86 @@
+#include "mpm/io/TextFile.hpp"
+
+#include <fmt/format.h>
+#include <petscsys.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "mpm/core/Errors.hpp"
+
+namespace mpm::io {
+namespace {
+
+bool is_root() {
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  return rank == 0;
+}
+
+bool agreed(bool ok) {
+  int all_ok = ok ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &all_ok, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
+  return all_ok != 0;
+}
+
+[[noreturn]] void fail(const std::string& path) {
+  throw NumericalFailure(fmt::format(
+      "cannot write '{}': check that its directory can be written and is not full", path));
+}
+
+bool write_whole(const std::string& path, const std::string& text) {
+  std::FILE* file = std::fopen(path.c_str(), "w");
+  if (file == nullptr) return false;
+  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+  return std::fclose(file) == 0 && written;
+}
+
+}  // namespace
+
+void make_directory(const std::string& path) {
+  std::error_code error;
+  if (is_root()) std::filesystem::create_directories(path, error);
+  const bool usable = !is_root() || (std::filesystem::is_directory(path) && !error);
+  if (!agreed(usable))
+    throw BadInput(
+        fmt::format("-output_dir {}: the directory cannot be made ({}); name one that "
+                    "can be written",
+                    path, error.message()));
+}
+
+void write_text_file(const std::string& path, const std::string& text) {
+  const std::string part = path + ".part";
+  bool ok = true;
+  if (is_root()) ok = write_whole(part, text) && std::rename(part.c_str(), path.c_str()) == 0;
+  if (!agreed(ok)) fail(path);
+}
+
+CsvFile::CsvFile(std::string path, const std::vector<std::string>& columns)
+    : m_path(std::move(path)) {
+  if (is_root()) m_file = std::fopen(m_path.c_str(), "w");
+  check(!is_root() ||
+        (m_file != nullptr &&
+         std::fputs((fmt::format("{}\n", fmt::join(columns, ","))).c_str(), m_file) >= 0));
+}
+
+CsvFile::~CsvFile() {
+  if (m_file != nullptr) std::fclose(m_file);
+}
+
+void CsvFile::check(bool ok) const {
+  if (!agreed(ok)) fail(m_path);
+}
+
+void CsvFile::row(const std::vector<double>& values) {
+  bool ok = true;
+  if (m_file != nullptr) {
+    const std::string line = fmt::format("{:.17g}\n", fmt::join(values, ","));
+    ok = std::fputs(line.c_str(), m_file) >= 0 && std::fflush(m_file) == 0;
+  }
+  check(ok);
+}
+
+}  // namespace mpm::io

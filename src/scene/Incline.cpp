@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "mpm/contact/RigidContact.hpp"
+#include "mpm/core/Errors.hpp"
+#include "mpm/io/TextFile.hpp"
+#include "mpm/material/LinearElastic.hpp"
+#include "mpm/scene/RunLoop.hpp"
+#include "mpm/scene/Scene.hpp"
+
+namespace mpm::scene {
+namespace {
+
+/// An elastic block on a rigid incline; x runs down the incline and gravity is turned instead.
+/// Exact: acceleration g (sin a - mu cos a) down the incline, none where mu > tan a.
+class Incline : public Scene {
+ public:
+  Incline() {
+    m_run.output_dir = "out/incline";
+    m_run.courant = 0.5;
+    m_material.parameters() = {.youngs_modulus = 5e6, .poisson_ratio = 0.3, .density = 1900.0};
+  }
+
+  void declare(options::OptionSet& options) override {
+    m_run.declare(options);
+    options.section("Incline");
+    options.integer("cells", m_cells, {2, 1000},
+                    {"1", "cells over the height of the block", "chosen"});
+    options.real("incline_angle", m_angle, options::between(0.0, 80.0),
+                 {"degrees", "slope of the incline", "chosen"});
+    options.real("contact_friction", m_friction, options::not_negative(),
+                 {"1", "Coulomb coefficient mu", "chosen"});
+    options.real("gravity", m_gravity, options::positive(), {"m/s^2", "downward", "chosen"});
+    m_material.declare(options);
+  }
+
+  const std::string& output_directory() const override { return m_run.output_dir; }
+
+  void run(io::Summary& summary) override {
+    solver::Simulation<2> simulation(setup());
+    contact::RigidBody<2> plane{std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, 1.0}),
+                                {0.0, plane_height()}};
+    // Touching nodes are those at or below the plane.
+    const auto contact = std::make_shared<contact::RigidContact<2>>(
+        simulation.grid(), simulation.walls(), simulation.step().point_deposit(), plane,
+        contact::ContactOptions{.gap_cells = 0.01,
+                                .friction = m_friction,
+                                .reference_density = m_material.parameters().density});
+    simulation.add_condition(contact);
+    RunLoop<2> loop(m_run, simulation);
+    settle(simulation, loop, *contact);
+    slide(simulation, loop, summary);
+    loop.write_fields();
+    loop.summarise(summary);
+  }
+
+  std::string answer(const io::Summary& summary) const override {
+    return fmt::format("slid {:.5g} m, exact {:.5g} m", summary.number("slide_m"),
+                       summary.number("slide_exact_m"));
+  }
+
+ private:
+  static constexpr double height = 0.5, length = 1.0;  // m, of the block
+  static constexpr double duration = 0.6;              // s
+  static constexpr double glued = 1e6;                 // friction while the block settles
+  double cell() const { return height / static_cast<double>(m_cells); }
+  double plane_height() const { return 4 * cell(); }
+  double radians() const { return m_angle * std::numbers::pi / 180.0; }
+  double exact_acceleration() const {
+    return std::max(0.0, m_gravity * (std::sin(radians()) - m_friction * std::cos(radians())));
+  }
+
+  /// Lets the block come to rest on the incline as if glued to it, so that it slides from the
+  /// first moment on and does not bounce.
+  void settle(solver::Simulation<2>& simulation, RunLoop<2>& loop,
+              contact::RigidContact<2>& contact) const {
+    contact.set_friction(glued);
+    simulation.set_damping(0.5);
+    double unbalanced = 1.0;
+    loop.run({.name = "settling",
+              .share_done = [&] { return std::log(unbalanced) / std::log(1e-6); },
+              .after_step =
+                  [&] {
+                    if (simulation.state().step % 50 == 0) unbalanced = simulation.out_of_balance();
+                    if (simulation.state().step > 1'000'000)
+                      throw NumericalFailure("the block does not come to rest in 1e6 steps");
+                  }});
+    simulation.set_damping(0.0);
+    contact.set_friction(m_friction);
+    simulation.start_from_rest();
+  }
+
+  void slide(solver::Simulation<2>& simulation, RunLoop<2>& loop, io::Summary& summary) const {
+    io::CsvFile history(m_run.output_dir + "/history.csv",
+                        {"time_s", "slide_m", "velocity_m_per_s", "dt_s", "step"});
+    const double mass = simulation.total_mass();
+    double slid = 0.0, velocity = 0.0;
+    loop.run({.name = "sliding",
+              .share_done = [&] { return simulation.state().time_in_stage / duration + 1e-12; },
+              .after_step =
+                  [&] {
+                    const auto& state = simulation.state();
+                    velocity = simulation.momentum()[0] / mass;
+                    slid += velocity * state.dt_old;
+                    if (state.step % std::max<std::int64_t>(1, m_run.history_every) != 0) return;
+                    history.row({state.time, slid, velocity, state.dt_old,
+                                 static_cast<double>(state.step)});
+                  },
+              .end_time = duration});
+    const double exact = 0.5 * exact_acceleration() * duration * duration;
+    summary.set("slide_m", slid);
+    summary.set("slide_exact_m", exact);
+    summary.set("acceleration_m_per_s2", velocity / duration);
+    summary.set("acceleration_exact_m_per_s2", exact_acceleration());
+    if (exact > 0.0) summary.set("error_slide", slid / exact - 1.0);
+  }
+
+  solver::SimulationSetup<2> setup() const {
+    const double free_path = 0.5 * m_gravity * duration * duration;
+    const int cells_x = static_cast<int>(std::ceil((length + free_path) / cell())) + 8;
+    const int cells_y = static_cast<int>(m_cells) + 8;
+    solver::SimulationSetup<2> setup{
+        .lines = {basis::KnotLines::uniform(0.0, cells_x * cell(), cells_x),
+                  basis::KnotLines::uniform(0.0, cells_y * cell(), cells_y)}};
+    setup.ends = m_run.ends;
+    setup.walls = {{{grid::Wall::free, grid::Wall::free}, {grid::Wall::free, grid::Wall::free}}};
+    setup.materials = {m_material.create()};
+    const double left = 4 * cell();
+    setup.filling = {
+        [this, left](const Vector<2>& x) {
+          const bool inside = x[0] > left && x[0] < left + length && x[1] > plane_height() &&
+                              x[1] < plane_height() + height;
+          return inside ? std::optional(0) : std::nullopt;
+        },
+        [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
+    setup.gravity = {m_gravity * std::sin(radians()), -m_gravity * std::cos(radians())};
+    setup.courant = m_run.courant;
+    return setup;
+  }
+
+  RunOptions m_run;
+  std::int64_t m_cells = 5;
+  double m_angle = 35.0;
+  double m_friction = 0.4;
+  double m_gravity = 9.81;
+  mutable material::LinearElasticFactory m_material;
+};
+
+}  // namespace
+
+std::unique_ptr<Scene> make_incline() {
+  return std::make_unique<Incline>();
+}
+
+}  // namespace mpm::scene

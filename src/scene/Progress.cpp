@@ -1,0 +1,69 @@
+#include "mpm/scene/Progress.hpp"
+
+#include <fmt/format.h>
+#include <petscsys.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace mpm::scene {
+namespace {
+
+std::string duration(double seconds) {
+  const auto whole = static_cast<long long>(seconds + 0.5);
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+}
+
+}  // namespace
+
+Progress::Progress(ProgressDisplay display) : m_terminal(isatty(STDOUT_FILENO) != 0) {
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  m_shown = rank == 0 && display != ProgressDisplay::off;
+}
+
+void Progress::print_line(const std::string& line, const char* ending) const {
+  if (m_terminal)
+    fmt::print("\r{:<100}{}", line, ending);
+  else
+    fmt::print("{}{}", line, ending);
+  std::fflush(stdout);
+}
+
+double Progress::seconds_since_begin() const {
+  return std::chrono::duration<double>(Clock::now() - m_begin).count();
+}
+
+void Progress::begin(const std::string& stage, long long step) {
+  m_stage = stage;
+  m_first_step = step;
+  m_next_tenth = 1;
+  m_begin = m_last = Clock::now();
+}
+
+void Progress::update(double share_done, long long step, const std::string& status) {
+  if (!m_shown) return;
+  const auto now = Clock::now();
+  const bool due =
+      m_terminal ? now - m_last > std::chrono::milliseconds(500) : share_done >= 0.1 * m_next_tenth;
+  if (!due) return;
+  m_last = now;
+  m_next_tenth = static_cast<int>(share_done * 10.0) + 1;
+  const double seconds = seconds_since_begin();
+  const double left = share_done > 0.0 ? seconds * (1.0 - share_done) / share_done : 0.0;
+  const std::string line =
+      fmt::format("{}: {:3.0f} %  {}  {:.0f} steps/s  {} left", m_stage, 100.0 * share_done, status,
+                  static_cast<double>(step - m_first_step) / seconds, duration(left));
+  print_line(line, m_terminal ? "" : "\n");
+}
+
+void Progress::end(long long step) {
+  if (!m_shown) return;
+  const std::string line = fmt::format("{}: done, {} steps in {}", m_stage, step - m_first_step,
+                                       duration(seconds_since_begin()));
+  print_line(line, "\n");
+}
+
+}  // namespace mpm::scene

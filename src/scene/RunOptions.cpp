@@ -1,0 +1,50 @@
+#include "mpm/scene/RunOptions.hpp"
+
+namespace mpm::scene {
+
+void RunOptions::declare(options::OptionSet& options) {
+  options.section("Run");
+  options.text("output_dir", output_dir,
+               {"", "directory of all results, made if missing", "chosen"});
+  options.choice("basis", m_basis, {{"cubic", OnlyOne::house}},
+                 {"", "shape functions on the grid", "paper, section 2.2"});
+  options.choice(
+      "basis_boundary", ends,
+      {{"mirror", basis::EndTreatment::mirror}, {"open_knot", basis::EndTreatment::open_knot}},
+      {"",
+       "splines at the ends of the grid: reflected, or end knots repeated as in the "
+       "paper",
+       "docs/model.md"});
+  options.choice("update", m_update, {{"musl", OnlyOne::house}},
+                 {"", "order of the step: modified update stress last", "Eqs. 1-9"});
+  options.choice("transfer", m_transfer, {{"flip", OnlyOne::house}},
+                 {"", "how grid motion reaches the particles", "Eq. 7"});
+  options.real(
+      "courant", courant, {.minimum = 0.0, .maximum = 2.0, .open_minimum = true},
+      {"1", "time step as a share of h/(c + |v|), h the smallest knot span near a particle",
+       "docs/model.md; the paper uses 0.3"});
+  options.integer("particles_per_cell_direction", particles_per_cell_direction, {1, 16},
+                  {"1", "particles per cell and direction", "paper, section 3.3"});
+  options.integer(
+      "particle_output_every", particle_output_every, {0, 1'000'000'000},
+      {"steps", "steps between outputs of particles and grid; 0 leaves it to the scene", "chosen"});
+  options.real_list("particle_output_times", particle_output_times, options::not_negative(),
+                    {"s", "times of outputs of particles and grid, in addition", "chosen"});
+  options.integer(
+      "history_every", history_every, {0, 1'000'000'000},
+      {"steps", "steps between rows of history.csv; 0 leaves it to the scene", "chosen"});
+  options.optional_real("end_time", end_time, options::positive(), "the scene's own end",
+                        {"s", "the run ends here at the latest", "chosen"});
+  options.integer(
+      "max_steps", max_steps, {0, 1'000'000'000'000},
+      {"steps", "the run ends after so many steps at the latest; 0 is no limit", "chosen"});
+  options.choice(
+      "progress", progress,
+      {{"auto", ProgressDisplay::automatic},
+       {"on", ProgressDisplay::on},
+       {"off", ProgressDisplay::off}},
+      {"", "progress on the terminal: a line that renews itself, or plain lines in a log",
+       "chosen"});
+}
+
+}  // namespace mpm::scene

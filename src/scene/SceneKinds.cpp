@@ -1,0 +1,33 @@
+#include <array>
+
+#include "mpm/scene/Scene.hpp"
+
+namespace mpm::scene {
+
+std::unique_ptr<Scene> make_material_point();
+std::unique_ptr<Scene> make_patch();
+std::unique_ptr<Scene> make_mms1d();
+std::unique_ptr<Scene> make_column();
+std::unique_ptr<Scene> make_rotation();
+std::unique_ptr<Scene> make_incline();
+
+namespace {
+
+constexpr std::array kinds{
+    SceneKind{"material_point", "element tests of the sand law without a grid",
+              &make_material_point},
+    SceneKind{"patch", "constant stress in a box: what is left at nodes and walls", &make_patch},
+    SceneKind{"mms1d", "vibrating bar with a manufactured solution at finite strain", &make_mms1d},
+    SceneKind{"column", "elastic column under its own weight", &make_column},
+    SceneKind{"rotation", "rigid turn of a stressed disc by prescribed nodal velocities",
+              &make_rotation},
+    SceneKind{"incline", "elastic block sliding on a rigid incline with friction", &make_incline},
+};
+
+}  // namespace
+
+std::span<const SceneKind> scene_kinds() {
+  return kinds;
+}
+
+}  // namespace mpm::scene

@@ -1,0 +1,180 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "mpm/solver/Step.hpp"
+
+namespace mpm::solver {
+namespace {
+
+double sign(double value) {
+  return value > 0.0 ? 1.0 : (value < 0.0 ? -1.0 : 0.0);
+}
+
+}  // namespace
+
+template <int dim, class Basis>
+MuslStep<dim, Basis>::MuslStep(const grid::Grid<dim>& grid, std::array<Basis, dim> bases,
+                               const grid::Walls<dim>& walls, particles::Particles<dim>& particles,
+                               const Conditions<dim>& conditions)
+    : m_grid(grid),
+      m_bases(std::move(bases)),
+      m_walls(walls),
+      m_particles(particles),
+      m_conditions(conditions),
+      m_point_deposit(grid, m_bases),
+      m_sums(grid, transfer::MassMomentumForce<dim>::components()),
+      m_rates(grid, transfer::VelocityAcceleration<dim>::components()),
+      m_remapped(grid, transfer::NodalVector<dim>::components()) {}
+
+template <int dim, class Basis>
+StepReport MuslStep<dim, Basis>::advance(const RunState& state, const StepOptions<dim>& options) {
+  const particles::ParticleView<dim> particles = m_particles.view();
+  const transfer::Stencil<dim, Basis> stencil(m_grid, m_bases);
+  const transfer::MassMomentumForce<dim> sums(m_sums);
+  const transfer::VelocityAcceleration<dim> rates(m_rates);
+  const transfer::NodalVector<dim> remapped(m_remapped);
+
+  m_sums.set_to_zero();
+  transfer::deposit_mass_momentum_force<dim, Basis>(particles, stencil, options.body_force,
+                                                    sums);  // (1)-(5)
+  m_sums.sum_to_owners();
+  update_momentum(state, options.damping);  // (6)
+  m_rates.copy_to_ghosts();
+
+  m_remapped.set_to_zero();
+  transfer::update_velocities_and_deposit_momentum(particles, stencil, state.momentum_dt(), rates,
+                                                   remapped);  // (7), (9)
+  m_remapped.sum_to_owners();
+  constrain_remapped_momentum();
+  m_remapped.copy_to_ghosts();
+
+  const transfer::Drift drift = transfer::gather_increments_and_move(
+      particles, stencil, state.dt, rates, remapped, m_grid, m_increments);  // (8)
+  transfer::rotate_and_expand(particles, m_increments);
+  const int broken = update_stress(particles);
+  return {drift.must_migrate, drift.lost >= 0 ? drift.lost : broken};
+}
+
+/// p_I += f_I dt (Eq. 6) with walls, rigid bodies and damping; then v_I = p_I/m_I, a_I = f_I/m_I.
+template <int dim, class Basis>
+void MuslStep<dim, Basis>::update_momentum(const RunState& state, double damping) {
+  const transfer::MassMomentumForce<dim> sums(m_sums);
+  const double dt = state.momentum_dt();
+  m_walls.fold(m_grid, m_sums);
+  m_grid.for_each_owned_node([&](int I, const auto&) {
+    for (int d = 0; d < dim; ++d) sums.momentum[d][I] += sums.force[d][I] * dt;
+  });
+  for (auto* condition : m_conditions) condition->begin_step();
+  for (auto* condition : m_conditions)
+    condition->correct(m_grid, {sums.mass, sums.momentum, sums.force, dt});
+  m_walls.hold(m_grid, m_sums);
+  m_unbalanced_force = 0.0;
+  m_grid.for_each_owned_node([&](int I, const auto&) {
+    double square = 0.0;
+    for (int d = 0; d < dim; ++d) square += sums.force[d][I] * sums.force[d][I];
+    m_unbalanced_force += std::sqrt(square);
+  });
+  if (damping > 0.0) apply_damping(damping, dt);
+  compute_velocity_and_acceleration();
+}
+
+/// Local damping of the force that is left after walls and rigid bodies. Nodes in contact are
+/// left out: damping there would show up in the reaction.
+template <int dim, class Basis>
+void MuslStep<dim, Basis>::apply_damping(double damping, double dt) {
+  const transfer::MassMomentumForce<dim> sums(m_sums);
+  m_grid.for_each_owned_node([&](int I, const auto&) {
+    for (auto* condition : m_conditions)
+      if (condition->acts_on(I)) return;
+    for (int d = 0; d < dim; ++d) {
+      double& f = sums.force[d][I];
+      double& p = sums.momentum[d][I];
+      const double before = p - f * dt;
+      const double change = -damping * std::abs(f) * sign(before);
+      f += change;
+      p += change * dt;
+    }
+  });
+}
+
+template <int dim, class Basis>
+void MuslStep<dim, Basis>::compute_velocity_and_acceleration() {
+  const transfer::MassMomentumForce<dim> sums(m_sums);
+  const transfer::VelocityAcceleration<dim> rates(m_rates);
+  m_grid.for_each_owned_node([&](int I, const auto&) {
+    const double inverse_mass = sums.mass[I] > 0.0 ? 1.0 / sums.mass[I] : 0.0;
+    for (int d = 0; d < dim; ++d) {
+      rates.velocity[d][I] = sums.momentum[d][I] * inverse_mass;
+      rates.acceleration[d][I] = sums.force[d][I] * inverse_mass;
+    }
+  });
+  m_walls.unfold(m_grid, m_rates);
+}
+
+/// Walls and rigid bodies act on the momentum of Eq. 9 as well, which becomes a velocity.
+template <int dim, class Basis>
+void MuslStep<dim, Basis>::constrain_remapped_momentum() {
+  const transfer::MassMomentumForce<dim> sums(m_sums);
+  const transfer::NodalVector<dim> remapped(m_remapped);
+  m_walls.fold(m_grid, m_remapped);
+  for (auto* condition : m_conditions) condition->correct(m_grid, {sums.mass, remapped.value});
+  m_walls.hold(m_grid, m_remapped);
+  m_grid.for_each_owned_node([&](int I, const auto&) {
+    const double inverse_mass = sums.mass[I] > 0.0 ? 1.0 / sums.mass[I] : 0.0;
+    for (int d = 0; d < dim; ++d) remapped.value[d][I] *= inverse_mass;
+  });
+  m_walls.unfold(m_grid, m_remapped);
+}
+
+/// Calls the laws, each on its own particles. Returns one whose stress is not finite, or -1.
+template <int dim, class Basis>
+int MuslStep<dim, Basis>::update_stress(const particles::ParticleView<dim>& view) {
+  for (std::size_t k = 0; k < m_particles.materials().size(); ++k) {
+    const auto material = static_cast<int>(k);
+    material::Batch batch = m_particles.batch_of(view, material);
+    for (std::size_t c = 0; c < m_increments.strain.size(); ++c)
+      if (!m_increments.strain[c].empty())
+        batch.strain_increment.component[c] =
+            m_increments.strain[c].data() + m_particles.range_of(material).first;
+    m_particles.materials()[k]->update_stress(batch);
+  }
+  for (int p = 0; p < view.count; ++p) {
+    double sum = 0.0;
+    for (int c = 0; c < tensor_components<dim>; ++c) sum += view.stress[c][p];
+    if (!std::isfinite(sum)) return p;
+  }
+  return -1;
+}
+
+template <int dim, class Basis>
+double MuslStep<dim, Basis>::smallest_transit_time() const {
+  const particles::ParticleView<dim> view = m_particles.view();
+  double smallest = std::numeric_limits<double>::max();
+  std::vector<double> modulus;
+  for (std::size_t k = 0; k < m_particles.materials().size(); ++k) {
+    const auto range = m_particles.range_of(static_cast<int>(k));
+    const material::Batch batch = m_particles.batch_of(view, static_cast<int>(k));
+    modulus.resize(batch.size);
+    m_particles.materials()[k]->wave_modulus(batch, modulus);
+    for (int p = range.first; p < range.last; ++p) {
+      const double density = view.mass[p] / view.volume[p];
+      double speed = 0.0, span = std::numeric_limits<double>::max();
+      for (int d = 0; d < dim; ++d) {
+        const int cell = m_bases[d].lines().cell_of(view.position[d][p]);
+        span = std::min(span, m_bases[d].smallest_span(cell));
+        speed += view.velocity[d][p] * view.velocity[d][p];
+      }
+      const double c = std::sqrt(modulus[static_cast<std::size_t>(p - range.first)] / density);
+      smallest = std::min(smallest, span / (c + std::sqrt(speed)));
+    }
+  }
+  return smallest;
+}
+
+template class MuslStep<1, basis::BSpline<3>>;
+template class MuslStep<2, basis::BSpline<3>>;
+template class MuslStep<3, basis::BSpline<3>>;
+
+}  // namespace mpm::solver

@@ -1,0 +1,248 @@
+#include "mpm/solver/Simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "mpm/core/Errors.hpp"
+#include "mpm/petsc/Session.hpp"
+
+namespace mpm::solver {
+namespace {
+
+using Spline = basis::BSpline<3>;
+
+constexpr int steps_between_renewals = 10;  // of dt
+constexpr int steps_between_sorts = 500;    // particles lose their order slowly
+constexpr double largest_growth_of_dt = 1.05;
+constexpr double no_limit = std::numeric_limits<double>::max();
+
+template <int dim, std::size_t... d>
+std::array<Spline, dim> splines(const SimulationSetup<dim>& setup, std::index_sequence<d...>) {
+  return {Spline(setup.lines[d], setup.ends)...};
+}
+
+template <int dim>
+std::array<Spline, dim> splines(const SimulationSetup<dim>& setup) {
+  return splines(setup, std::make_index_sequence<static_cast<std::size_t>(dim)>{});
+}
+
+template <int dim, std::size_t... d>
+std::array<basis::NodeLine, dim> node_lines(const std::array<Spline, dim>& splines,
+                                            std::index_sequence<d...>) {
+  return {splines[d].nodes()...};
+}
+
+int world_size() {
+  int ranks = 1;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  return ranks;
+}
+
+template <int dim>
+nlohmann::json to_json(const Vector<dim>& vector) {
+  return std::vector<double>(vector.begin(), vector.end());
+}
+
+}  // namespace
+
+template <int dim>
+Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
+    : m_grid(make_grid(setup)),
+      m_walls(setup.walls),
+      m_particles(std::make_unique<particles::Particles<dim>>(*m_grid, setup.materials)),
+      m_courant(setup.courant),
+      m_dt_limit(no_limit) {
+  m_options.body_force.uniform = setup.gravity;
+  m_step = std::make_unique<MuslStep<dim, Spline>>(*m_grid, splines(setup), m_walls, *m_particles,
+                                                   m_conditions);
+  seed(setup);
+}
+
+template <int dim>
+std::unique_ptr<grid::Grid<dim>> Simulation<dim>::make_grid(const SimulationSetup<dim>& setup) {
+  const auto nodes =
+      node_lines<dim>(splines(setup), std::make_index_sequence<static_cast<std::size_t>(dim)>{});
+  partition::LayoutRequest<dim> request;
+  for (int d = 0; d < dim; ++d) {
+    request.nodes[d] = nodes[d].count();
+    request.cells[d] = setup.lines[d].cells();
+  }
+  request.owner_offset = nodes[0].owner_offset;
+  request.smallest_range = grid::Grid<dim>::stencil_width(nodes[0]);
+  request.ranks = world_size();
+  // A cell without particles costs a little too: its node is updated.
+  request.weight = [&](const std::array<int, dim>& cell) {
+    return 0.1 + static_cast<double>(
+                     particles::seeds_of_cell<dim>(setup.lines, cell, setup.filling).size());
+  };
+  return std::make_unique<grid::Grid<dim>>(nodes, partition::balanced_layout(request));
+}
+
+template <int dim>
+void Simulation<dim>::seed(const SimulationSetup<dim>& setup) {
+  std::vector<particles::Seed<dim>> seeds;
+  const grid::Box<dim>& cells = m_grid->owned_cells();
+  std::array<int, dim> cell = cells.begin;
+  for (int k = 0; k < cells.size(); ++k) {
+    for (int d = 0, rest = k; d < dim; rest /= cells.extent(d), ++d)
+      cell[d] = cells.begin[d] + rest % cells.extent(d);
+    const auto more = particles::seeds_of_cell<dim>(setup.lines, cell, setup.filling);
+    seeds.insert(seeds.end(), more.begin(), more.end());
+  }
+  m_particles->add(seeds);
+  if (m_particles->global_count() == 0)
+    throw BadInput("no cell of the grid holds a particle: refine the grid or enlarge the body");
+}
+
+template <int dim>
+void Simulation<dim>::add_condition(std::shared_ptr<grid::NodalCondition<dim>> condition) {
+  m_conditions.push_back(condition.get());
+  m_owned_conditions.push_back(std::move(condition));
+}
+
+template <int dim>
+void Simulation<dim>::start_from_rest() {
+  const particles::ParticleView<dim> view = m_particles->view();
+  for (int p = 0; p < view.count; ++p) {
+    for (int d = 0; d < dim; ++d) view.velocity[d][p] = view.displacement[d][p] = 0.0;
+    view.deviatoric_strain[p] = 0.0;
+  }
+  m_state.dt_old = 0.0;
+}
+
+template <int dim>
+void Simulation<dim>::renew_time_step() {
+  const double transit = petsc::minimum(m_step->smallest_transit_time());
+  const double stable = m_courant * transit;
+  const double previous = m_state.dt;
+  m_state.dt = previous > 0.0 ? std::min(stable, largest_growth_of_dt * previous) : stable;
+  m_state.steps_since_renewal = 0;
+  if (!std::isfinite(m_state.dt) || m_state.dt < 1e-300)
+    throw NumericalFailure(
+        fmt::format("the time step collapsed to {} s at step {}", m_state.dt, m_state.step));
+}
+
+template <int dim>
+void Simulation<dim>::advance() {
+  if (m_state.dt == 0.0 || m_state.steps_since_renewal >= steps_between_renewals) renew_time_step();
+  const double unlimited = m_state.dt;
+  m_state.dt = std::min(m_state.dt, m_dt_limit);
+  m_dt_limit = no_limit;
+
+  agree(m_step->advance(m_state, m_options));
+
+  m_state.time += m_state.dt;
+  m_state.time_in_stage += m_state.dt;
+  m_state.dt_old = m_state.dt;
+  m_state.dt = unlimited;
+  ++m_state.step;
+  ++m_state.steps_in_stage;
+  ++m_state.steps_since_renewal;
+}
+
+/// All ranks learn whether one of them has to stop or to hand particles over.
+template <int dim>
+void Simulation<dim>::agree(const StepReport& report) {
+  enum Need { nothing, sorting, migration, stop };
+  const int mine = report.broken_particle >= 0 ? stop : report.must_migrate ? migration : nothing;
+  int all = mine;
+  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+  if (all == stop) {
+    int rank = 0, first = world_size();
+    MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+    if (mine == stop) first = rank;
+    MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
+    std::string text = rank == first ? describe(report.broken_particle) : "";
+    auto length = static_cast<int>(text.size());
+    MPI_Bcast(&length, 1, MPI_INT, first, PETSC_COMM_WORLD);
+    text.resize(static_cast<std::size_t>(length));
+    MPI_Bcast(text.data(), length, MPI_CHAR, first, PETSC_COMM_WORLD);
+    const auto details = nlohmann::json::parse(text);
+    throw NumericalFailure(details["message"].get<std::string>(), text);
+  }
+  if (all == migration) {
+    m_particles->migrate();
+    m_state.steps_since_sort = 0;
+  } else if (++m_state.steps_since_sort >= steps_between_sorts) {
+    m_particles->sort();
+    m_state.steps_since_sort = 0;
+  }
+}
+
+template <int dim>
+std::string Simulation<dim>::describe(int p) const {
+  const particles::ParticleView<dim> view = m_particles->view();
+  const Vector<dim> x = view.position_of(p), v = view.velocity_of(p);
+  const bool outside = !m_grid->all_cells().contains(m_grid->cell_of(x));
+  nlohmann::json details;
+  details["message"] = fmt::format(
+      "particle {} {} in step {} at t = {:.6g} s, x = ({:.6g}); a smaller -courant, a larger "
+      "domain or a slower motion may help",
+      view.id[p],
+      outside ? "left the grid or lost its position" : "has a stress that is not a number",
+      m_state.step + 1, m_state.time + m_state.dt, fmt::join(x, ", "));
+  details["particle"] = view.id[p];
+  details["step"] = m_state.step + 1;
+  details["last_good_step"] = m_state.step;
+  details["time_s"] = m_state.time + m_state.dt;
+  details["dt_s"] = m_state.dt;
+  details["position_m"] = to_json<dim>(x);
+  details["velocity_m_per_s"] = to_json<dim>(v);
+  details["volume_m3"] = view.volume[p];
+  for (int k = 0; k < tensor_components<dim>; ++k)
+    details["stress_Pa"].push_back(view.stress[k][p]);
+  for (std::size_t s = 0; s < view.state.size(); ++s)
+    details[m_particles->state_names()[s]] = view.state[s][p];
+  return details.dump();  // NaN becomes null
+}
+
+template <int dim>
+double Simulation<dim>::out_of_balance() const {
+  double g = 0.0;
+  for (double component : m_options.body_force.uniform) g += component * component;
+  return petsc::sum(m_step->unbalanced_force()) / (total_mass() * std::sqrt(g));
+}
+
+template <int dim>
+double Simulation<dim>::kinetic_energy() const {
+  const particles::ParticleView<dim> view = m_particles->view();
+  double energy = 0.0;
+  for (int p = 0; p < view.count; ++p)
+    for (int d = 0; d < dim; ++d)
+      energy += 0.5 * view.mass[p] * view.velocity[d][p] * view.velocity[d][p];
+  return petsc::sum(energy);
+}
+
+template <int dim>
+Vector<dim> Simulation<dim>::momentum() const {
+  const particles::ParticleView<dim> view = m_particles->view();
+  Vector<dim> sum{};
+  for (int p = 0; p < view.count; ++p)
+    for (int d = 0; d < dim; ++d) sum[d] += view.mass[p] * view.velocity[d][p];
+  for (double& component : sum) component = petsc::sum(component);
+  return sum;
+}
+
+template <int dim>
+double Simulation<dim>::total_mass() const {
+  const particles::ParticleView<dim> view = m_particles->view();
+  double sum = 0.0;
+  for (int p = 0; p < view.count; ++p) sum += view.mass[p];
+  return petsc::sum(sum);
+}
+
+template <int dim>
+double Simulation<dim>::imbalance() const {
+  const auto largest = petsc::maximum(static_cast<double>(m_particles->local_count()));
+  return largest * world_size() / static_cast<double>(m_particles->global_count());
+}
+
+template class Simulation<1>;
+template class Simulation<2>;
+template class Simulation<3>;
+
+}  // namespace mpm::solver
