@@ -13,14 +13,15 @@
 namespace mpm::scene {
 namespace {
 
-/// An elastic block on a rigid incline; x runs down the incline and gravity is turned instead.
-/// Exact: acceleration g (sin a - mu cos a) down the incline, none where mu > tan a.
+/// A stiff elastic block on a rigid incline; x runs down the incline and gravity is turned instead.
+/// Exact: acceleration g (sin a - mu cos a) down the incline, none where mu > tan a, for
+/// a rigid block; the elastic one shakes a little when it starts, less the stiffer it is.
 class Incline : public Scene {
  public:
   Incline() {
     m_run.output_dir = "out/incline";
     m_run.courant = 0.5;
-    m_material.parameters() = {.youngs_modulus = 5e6, .poisson_ratio = 0.3, .density = 1900.0};
+    m_material.parameters() = {.youngs_modulus = 2e9, .poisson_ratio = 0.3, .density = 1900.0};
   }
 
   void declare(options::OptionSet& options) override {
@@ -50,7 +51,7 @@ class Incline : public Scene {
                                 .reference_density = m_material.parameters().density});
     simulation.add_condition(contact);
     RunLoop<2> loop(m_run, simulation);
-    settle(simulation, loop, *contact);
+    settle(simulation, loop);
     slide(simulation, loop, summary);
     loop.write_fields();
     loop.summarise(summary);
@@ -64,7 +65,6 @@ class Incline : public Scene {
  private:
   static constexpr double height = 0.5, length = 1.0;  // m, of the block
   static constexpr double duration = 0.6;              // s
-  static constexpr double glued = 1e6;                 // friction while the block settles
   double cell() const { return height / static_cast<double>(m_cells); }
   double plane_height() const { return 4 * cell(); }
   double radians() const { return m_angle * std::numbers::pi / 180.0; }
@@ -72,15 +72,14 @@ class Incline : public Scene {
     return std::max(0.0, m_gravity * (std::sin(radians()) - m_friction * std::cos(radians())));
   }
 
-  /// Lets the block come to rest on the incline as if glued to it, so that it slides from the
-  /// first moment on and does not bounce.
-  void settle(solver::Simulation<2>& simulation, RunLoop<2>& loop,
-              contact::RigidContact<2>& contact) const {
-    contact.set_friction(glued);
-    simulation.set_damping(0.5);
+  /// Lets the block come to rest before the plane is tilted, so that it does not bounce.
+  void settle(solver::Simulation<2>& simulation, RunLoop<2>& loop) const {
+    const Vector<2> inclined = simulation.gravity();
+    simulation.set_gravity({0.0, inclined[1]});
+    simulation.set_damping(0.3);
     double unbalanced = 1.0;
     loop.run({.name = "settling",
-              .share_done = [&] { return std::log(unbalanced) / std::log(1e-6); },
+              .share_done = [&] { return std::log(unbalanced) / std::log(1e-4); },
               .after_step =
                   [&] {
                     if (simulation.state().step % 50 == 0) unbalanced = simulation.out_of_balance();
@@ -88,7 +87,7 @@ class Incline : public Scene {
                       throw NumericalFailure("the block does not come to rest in 1e6 steps");
                   }});
     simulation.set_damping(0.0);
-    contact.set_friction(m_friction);
+    simulation.set_gravity(inclined);
     simulation.start_from_rest();
   }
 
@@ -105,15 +104,13 @@ class Incline : public Scene {
                     velocity = simulation.momentum()[0] / mass;
                     slid += velocity * state.dt_old;
                     if (state.step % std::max<std::int64_t>(1, m_run.history_every) != 0) return;
-                    history.row({state.time, slid, velocity, state.dt_old,
+                    history.row({state.time_in_stage, slid, velocity, state.dt_old,
                                  static_cast<double>(state.step)});
                   },
               .end_time = duration});
     const double exact = 0.5 * exact_acceleration() * duration * duration;
     summary.set("slide_m", slid);
     summary.set("slide_exact_m", exact);
-    summary.set("acceleration_m_per_s2", velocity / duration);
-    summary.set("acceleration_exact_m_per_s2", exact_acceleration());
     if (exact > 0.0) summary.set("error_slide", slid / exact - 1.0);
   }
 

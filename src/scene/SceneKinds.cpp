@@ -4,6 +4,7 @@
 
 namespace mpm::scene {
 
+std::unique_ptr<Scene> make_pipe();
 std::unique_ptr<Scene> make_material_point();
 std::unique_ptr<Scene> make_patch();
 std::unique_ptr<Scene> make_mms1d();
@@ -14,6 +15,7 @@ std::unique_ptr<Scene> make_incline();
 namespace {
 
 constexpr std::array kinds{
+    SceneKind{"pipe", "a rigid pipe pushed down into sand, plane strain: the main job", &make_pipe},
     SceneKind{"material_point", "element tests of the sand law without a grid",
               &make_material_point},
     SceneKind{"patch", "constant stress in a box: what is left at nodes and walls", &make_patch},

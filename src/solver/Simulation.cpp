@@ -135,6 +135,7 @@ void Simulation<dim>::advance() {
 
   agree(m_step->advance(m_state, m_options));
 
+  m_state.last_momentum_dt = m_state.momentum_dt();
   m_state.time += m_state.dt;
   m_state.time_in_stage += m_state.dt;
   m_state.dt_old = m_state.dt;

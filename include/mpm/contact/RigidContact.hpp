@@ -63,8 +63,6 @@ class RigidContact : public grid::NodalCondition<dim> {
   RigidBody<dim>& body() { return m_body; }
   const RigidBody<dim>& body() const { return m_body; }
 
-  void set_friction(double mu) { m_options.friction = mu; }
-
   void begin_step() override;
   void correct(const grid::Grid<dim>& grid, const grid::NodalMotion<dim>& motion) override;
   bool acts_on(int local_node) const override {

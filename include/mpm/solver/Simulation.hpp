@@ -52,6 +52,7 @@ class Simulation {
   void add_condition(std::shared_ptr<grid::NodalCondition<dim>> condition);
 
   void set_damping(double damping) { m_options.damping = damping; }
+  void set_gravity(const Vector<dim>& gravity) { m_options.body_force.uniform = gravity; }
   const Vector<dim>& gravity() const { return m_options.body_force.uniform; }
   /// A body force that depends on the undeformed position, in place of gravity; m/s^2.
   void set_body_force(std::function<Vector<dim>(const Vector<dim>&)> field) {

@@ -1,0 +1,73 @@
+#include "mpm/contact/ContourReaction.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "mpm/petsc/Session.hpp"
+
+namespace mpm::contact {
+namespace {
+
+template <int dim>
+Vector<dim> traction(const particles::ParticleView<dim>& particles, int p,
+                     const Vector<dim>& direction) {
+  const auto& s = particles.stress;
+  if constexpr (dim == 2)
+    return {s[0][p] * direction[0] + s[3][p] * direction[1],
+            s[3][p] * direction[0] + s[1][p] * direction[1]};
+  else
+    return {s[0][p] * direction[0] + s[3][p] * direction[1] + s[5][p] * direction[2],
+            s[3][p] * direction[0] + s[1][p] * direction[1] + s[4][p] * direction[2],
+            s[5][p] * direction[0] + s[4][p] * direction[1] + s[2][p] * direction[2]};
+}
+
+}  // namespace
+
+template <int dim>
+void ContourReaction<dim>::sample(const particles::ParticleView<dim>& particles,
+                                  const RigidBody<dim>& body, const Vector<dim>& gravity,
+                                  double dt) {
+  m_momentum = {};
+  Vector<dim> force{};
+  const double width = m_band.outer - m_band.inner;
+  for (int p = 0; p < particles.count; ++p) {
+    const Proximity<dim> place = body.locate(particles.position_of(p));
+    if (place.distance >= m_band.outer) continue;
+    const double chi = std::min(1.0, (m_band.outer - place.distance) / width);
+    const double m = particles.mass[p];
+    for (int d = 0; d < dim; ++d) {
+      m_momentum[d] += m * particles.velocity[d][p] * chi;
+      force[d] += m * gravity[d] * chi;
+    }
+    if (chi == 1.0) continue;
+    // grad chi = -n/width
+    const Vector<dim> t = traction<dim>(particles, p, place.normal);
+    double outflow = 0.0;
+    for (int d = 0; d < dim; ++d)
+      outflow += (particles.velocity[d][p] - body.velocity[d]) * place.normal[d];
+    for (int d = 0; d < dim; ++d)
+      force[d] += (particles.volume[p] * t[d] - m * particles.velocity[d][p] * outflow) / width;
+  }
+  for (int d = 0; d < dim; ++d) m_force_time[d] += force[d] * dt;
+  m_time += dt;
+}
+
+template <int dim>
+Vector<dim> ContourReaction<dim>::take_mean() {
+  Vector<dim> mean{};
+  for (int d = 0; d < dim; ++d) {
+    const double last = petsc::sum(m_momentum[d]);
+    const double change = m_has_start ? last - m_first_momentum[d] : 0.0;
+    m_first_momentum[d] = last;
+    const double total = petsc::sum(std::exchange(m_force_time[d], 0.0));
+    if (m_time > 0.0) mean[d] = (total - change) / m_time;
+  }
+  m_has_start = true;
+  m_time = 0.0;
+  return mean;
+}
+
+template class ContourReaction<2>;
+template class ContourReaction<3>;
+
+}  // namespace mpm::contact
