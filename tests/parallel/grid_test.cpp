@@ -1,0 +1,402 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "mpm/core/Errors.hpp"
+#include "mpm/grid/Walls.hpp"
+#include "support/Grids.hpp"
+
+namespace mpm::grid {
+namespace {
+
+using basis::KnotLines;
+using partition::LayoutRequest;
+using test::Spline;
+
+template <int dim>
+std::array<KnotLines, dim> lines() {
+  if constexpr (dim == 1) return {test::graded_lines(13)};
+  if constexpr (dim == 2) return {test::graded_lines(9), KnotLines::uniform(-1.3, 2.1, 14)};
+  if constexpr (dim == 3)
+    return {test::graded_lines(7), KnotLines::uniform(-1.3, 0.9, 4), test::graded_lines(10)};
+}
+
+/// A grid with uneven ownership ranges.
+template <int dim>
+struct UnevenGrid {
+  std::array<Spline, dim> splines = test::splines<dim>(lines<dim>());
+  std::array<basis::NodeLine, dim> nodes = test::node_lines<dim>(splines);
+  Grid<dim> grid{nodes, test::uneven_layout<dim>(nodes)};
+};
+
+template <int dim>
+std::vector<Component> scalar_and_vector() {
+  std::vector<Component> components{{Component::scalar}};
+  for (int d = 0; d < dim; ++d) components.push_back({d});
+  return components;
+}
+
+template <int dim>
+std::array<int, dim> process_of(int rank, const partition::Layout<dim>& layout) {
+  std::array<int, dim> process;
+  for (int d = 0; d < dim; rank /= layout.processes(d), ++d)
+    process[d] = rank % layout.processes(d);
+  return process;
+}
+
+/// An integer that tells rank, component and node apart.
+template <int dim>
+double mark(int rank, int component, const std::array<int, dim>& node) {
+  double value = 3.0 + 7.0 * component + 1000.0 * rank;
+  for (int d = 0; d < dim; ++d) value = 31.0 * value + 5.0 * node[d];
+  return value;
+}
+
+template <int dim>
+void fill_with_marks(const Grid<dim>& grid, int rank, NodalField<dim>& field) {
+  for (int c = 0; c < field.components(); ++c)
+    grid.for_each_node(grid.ghosted_nodes(), [&](int local, const auto& node) {
+      field.values(c)[local] = mark<dim>(rank, c, node);
+    });
+}
+
+template <int dim>
+void sums_at_owners_are_those_of_all_ranks() {
+  const UnevenGrid<dim> uneven;
+  const Grid<dim>& grid = uneven.grid;
+  NodalField<dim> field(grid, scalar_and_vector<dim>());
+  fill_with_marks(grid, test::world_rank(), field);
+  field.sum_to_owners();
+  for (int c = 0; c < field.components(); ++c)
+    grid.for_each_owned_node([&](int local, const auto& node) {
+      double serial = 0.0;
+      for (int rank = 0; rank < test::world_size(); ++rank)
+        if (grid.ghosted_box_of(process_of<dim>(rank, grid.layout())).contains(node))
+          serial += mark<dim>(rank, c, node);
+      EXPECT_EQ(field.values(c)[local], serial);
+    });
+}
+
+TEST(NodalField, sums_at_owners_are_those_of_all_ranks) {
+  sums_at_owners_are_those_of_all_ranks<1>();
+  sums_at_owners_are_those_of_all_ranks<2>();
+  sums_at_owners_are_those_of_all_ranks<3>();
+}
+
+template <int dim>
+void ghosts_are_copies_of_what_their_owner_holds() {
+  const UnevenGrid<dim> uneven;
+  const Grid<dim>& grid = uneven.grid;
+  NodalField<dim> field(grid, scalar_and_vector<dim>());
+  fill_with_marks(grid, test::world_rank(), field);
+  field.copy_to_ghosts();
+  for (int c = 0; c < field.components(); ++c)
+    grid.for_each_node(grid.ghosted_nodes(), [&](int local, const auto& node) {
+      std::array<int, dim> process;
+      for (int d = 0; d < dim; ++d) process[d] = grid.layout().process_of(d, node[d]);
+      EXPECT_EQ(field.values(c)[local], mark<dim>(grid.layout().rank_of(process), c, node));
+    });
+}
+
+TEST(NodalField, ghosts_are_copies_of_what_their_owner_holds) {
+  ghosts_are_copies_of_what_their_owner_holds<1>();
+  ghosts_are_copies_of_what_their_owner_holds<2>();
+  ghosts_are_copies_of_what_their_owner_holds<3>();
+}
+
+template <int dim>
+void ownership_is_that_of_the_dmda() {
+  const UnevenGrid<dim> uneven;
+  const Grid<dim>& grid = uneven.grid;
+  std::array<PetscInt, 3> begin{}, size{1, 1, 1};
+  DMDAGetCorners(grid.dm(), &begin[0], &begin[1], &begin[2], &size[0], &size[1], &size[2]);
+  for (int d = 0; d < dim; ++d) {
+    EXPECT_EQ(grid.owned_nodes().begin[d], begin[d]);
+    EXPECT_EQ(grid.owned_nodes().end[d], begin[d] + size[d]);
+  }
+}
+
+TEST(Grid, ownership_is_that_of_the_dmda) {
+  ownership_is_that_of_the_dmda<1>();
+  ownership_is_that_of_the_dmda<2>();
+  ownership_is_that_of_the_dmda<3>();
+}
+
+TEST(Grid, every_cell_has_one_owner_that_holds_all_nodes_of_the_cells_around) {
+  const UnevenGrid<2> uneven;
+  const Grid<2>& grid = uneven.grid;
+  long long cells = 0;
+  for (int j = 0; j < grid.all_cells().end[1]; ++j)
+    for (int i = 0; i < grid.all_cells().end[0]; ++i) {
+      const bool mine = grid.rank_of_cell({i, j}) == test::world_rank();
+      EXPECT_EQ(grid.owned_cells().contains({i, j}), mine);
+      cells += mine;
+      if (!grid.reachable_cells().contains({i, j})) continue;
+      EXPECT_TRUE(grid.ghosted_nodes().contains({i, j}));
+      EXPECT_TRUE(grid.ghosted_nodes().contains({i + 3, j + 3}));
+    }
+  MPI_Allreduce(MPI_IN_PLACE, &cells, 1, MPI_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
+  EXPECT_EQ(cells, grid.global_cells());
+}
+
+TEST(NodalField, a_component_as_a_global_vector_keeps_its_sum) {
+  const UnevenGrid<3> uneven;
+  NodalField<3> field(uneven.grid, scalar_and_vector<3>());
+  double sum = 0.0;
+  uneven.grid.for_each_owned_node([&](int local, const auto& node) {
+    field.values(2)[local] = mark<3>(0, 2, node);
+    sum += mark<3>(0, 2, node);
+  });
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
+  PetscScalar total = 0.0;
+  VecSum(field.global_vector(2), &total);
+  EXPECT_EQ(total, sum);
+}
+
+// Walls, against a body with its mirrored twins ---------------------------------------------
+
+/// A quantity at a point, or at its reflection.
+template <int dim>
+struct Load {
+  Vector<dim> position;
+  double scalar;
+  Vector<dim> vector;
+};
+
+/// Lines reflected at both ends; node a of the part in the middle is node a + cells.
+KnotLines with_twins(const KnotLines& lines) {
+  std::vector<double> positions;
+  const int n = lines.cells();
+  for (int k = n; k > 0; --k) positions.push_back(2 * lines.begin() - lines.line(k));
+  for (int k = 0; k <= n; ++k) positions.push_back(lines.line(k));
+  for (int k = n - 1; k >= 0; --k) positions.push_back(2 * lines.end() - lines.line(k));
+  return KnotLines(std::move(positions));
+}
+
+/// Adds the twins beyond the walls of direction d, and the twins' twins at corners.
+template <int dim>
+std::vector<Load<dim>> with_twins(std::vector<Load<dim>> loads, int d, const KnotLines& lines,
+                                  const Walls<dim>& walls) {
+  const std::vector<Load<dim>> originals = loads;
+  for (int side : {0, 1}) {
+    if (walls.kind(d, side) == Wall::free) continue;
+    for (Load<dim> twin : originals) {
+      twin.position[d] = 2 * (side == 0 ? lines.begin() : lines.end()) - twin.position[d];
+      for (int c = 0; c < dim; ++c)
+        if (c == d || walls.kind(d, side) == Wall::fixed) twin.vector[c] *= -1.0;
+      loads.push_back(twin);
+    }
+  }
+  return loads;
+}
+
+template <int dim, class Visit>
+void for_each_weight(const std::array<Spline, dim>& splines, const Vector<dim>& x,
+                     const Visit& visit) {
+  std::array<Spline::Values, dim> N, dN;
+  std::array<int, dim> cell, node;
+  for (int d = 0; d < dim; ++d) {
+    cell[d] = splines[d].lines().cell_of(x[d]);
+    splines[d].evaluate(cell[d], x[d], N[d], dN[d]);
+  }
+  for (int k = 0; k < (1 << (2 * dim)); ++k) {
+    double weight = 1.0;
+    for (int d = 0; d < dim; ++d) {
+      const int a = (k >> (2 * d)) % 4;
+      weight *= N[d][static_cast<std::size_t>(a)];
+      node[d] = cell[d] + a;
+    }
+    visit(node, weight);
+  }
+}
+
+template <int dim>
+std::vector<Load<dim>> loads_in_every_cell(const std::array<KnotLines, dim>& lines) {
+  std::vector<Load<dim>> loads;
+  int cells = 1;
+  for (int d = 0; d < dim; ++d) cells *= lines[d].cells();
+  for (int k = 0; k < cells; ++k) {
+    Load<dim> load{{}, 1.7 + std::sin(k), {}};
+    for (int d = 0, rest = k; d < dim; rest /= lines[d].cells(), ++d) {
+      const int cell = rest % lines[d].cells();
+      load.position[d] = lines[d].line(cell) + (0.3 + 0.04 * (k % 7)) * lines[d].width(cell);
+      load.vector[d] = 2.3 * std::cos(k + d);
+    }
+    loads.push_back(load);
+  }
+  return loads;
+}
+
+template <int dim>
+void deposit(const UnevenGrid<dim>& uneven, const std::vector<Load<dim>>& loads,
+             NodalField<dim>& field) {
+  const Grid<dim>& grid = uneven.grid;
+  for (const Load<dim>& load : loads) {
+    if (!grid.owned_cells().contains(grid.cell_of(load.position))) continue;
+    for_each_weight<dim>(uneven.splines, load.position, [&](const auto& node, double weight) {
+      const int local = grid.local_index(node);
+      field.values(0)[local] += weight * load.scalar;
+      for (int d = 0; d < dim; ++d) field.values(1 + d)[local] += weight * load.vector[d];
+    });
+  }
+  field.sum_to_owners();
+}
+
+/// Nodal sums of loads and twins, counted from the first node of the part in the middle.
+template <int dim>
+std::map<std::array<int, dim>, std::array<double, dim + 1>> sums_with_twins(
+    const std::array<KnotLines, dim>& half, std::vector<Load<dim>> loads, const Walls<dim>& walls) {
+  std::array<KnotLines, dim> full = half;
+  for (int d = 0; d < dim; ++d) {
+    full[d] = with_twins(half[d]);
+    loads = with_twins<dim>(std::move(loads), d, half[d], walls);
+  }
+  const auto splines = test::splines<dim>(full);
+  std::map<std::array<int, dim>, std::array<double, dim + 1>> sums;
+  for (const Load<dim>& load : loads)
+    for_each_weight<dim>(splines, load.position, [&](auto node, double weight) {
+      for (int d = 0; d < dim; ++d) node[d] -= half[d].cells();
+      sums[node][0] += weight * load.scalar;
+      for (std::size_t d = 0; d < dim; ++d) sums[node][d + 1] += weight * load.vector[d];
+    });
+  return sums;
+}
+
+/// 1 for a wall: the nodes on it carry one half for each that they lie on.
+template <int dim>
+int walls_at(const Grid<dim>& grid, const Walls<dim>& walls, const std::array<int, dim>& node) {
+  int count = 0;
+  for (int d = 0; d < dim; ++d)
+    count += (node[d] == 1 && walls.kind(d, 0) != Wall::free) ||
+             (node[d] == grid.nodes(d).count() - 2 && walls.kind(d, 1) != Wall::free);
+  return count;
+}
+
+template <int dim>
+bool is_beyond(const Grid<dim>& grid, const Walls<dim>& walls, const std::array<int, dim>& node) {
+  for (int d = 0; d < dim; ++d)
+    if ((node[d] == 0 && walls.kind(d, 0) != Wall::free) ||
+        (node[d] == grid.nodes(d).count() - 1 && walls.kind(d, 1) != Wall::free))
+      return true;
+  return false;
+}
+
+template <int dim>
+void walls_act_like_mirrored_twins(const typename Walls<dim>::Kinds& kinds) {
+  const UnevenGrid<dim> uneven;
+  const Grid<dim>& grid = uneven.grid;
+  const Walls<dim> walls(kinds);
+  const auto loads = loads_in_every_cell<dim>(lines<dim>());
+  NodalField<dim> field(grid, scalar_and_vector<dim>());
+  deposit<dim>(uneven, loads, field);
+  auto exact = sums_with_twins<dim>(lines<dim>(), loads, walls);
+
+  walls.fold(grid, field);
+  for (int c = 0; c <= dim; ++c)
+    grid.for_each_owned_node([&](int local, const auto& node) {
+      const double share = std::pow(0.5, walls_at<dim>(grid, walls, node));
+      const double expected = is_beyond<dim>(grid, walls, node)
+                                  ? 0.0
+                                  : share * exact[node][static_cast<std::size_t>(c)];
+      EXPECT_NEAR(field.values(c)[local], expected, 1e-13) << "component " << c;
+    });
+
+  // Once it is a velocity, the wall's share of the mass has cancelled.
+  for (int c = 0; c <= dim; ++c)
+    grid.for_each_owned_node([&](int local, const auto& node) {
+      if (!is_beyond<dim>(grid, walls, node))
+        field.values(c)[local] = exact[node][static_cast<std::size_t>(c)];
+    });
+  walls.unfold(grid, field);
+  for (int c = 0; c <= dim; ++c)
+    grid.for_each_owned_node([&](int local, const auto& node) {
+      EXPECT_NEAR(field.values(c)[local], exact[node][static_cast<std::size_t>(c)], 1e-13)
+          << "component " << c;
+    });
+}
+
+TEST(Walls, act_like_mirrored_twins_at_ends_and_corners) {
+  walls_act_like_mirrored_twins<1>({{{Wall::roller, Wall::free}}});
+  walls_act_like_mirrored_twins<1>({{{Wall::free, Wall::fixed}}});
+  walls_act_like_mirrored_twins<2>({{{Wall::symmetry, Wall::roller}, {Wall::fixed, Wall::free}}});
+  walls_act_like_mirrored_twins<2>({{{Wall::free, Wall::fixed}, {Wall::roller, Wall::fixed}}});
+  walls_act_like_mirrored_twins<3>(
+      {{{Wall::symmetry, Wall::free}, {Wall::roller, Wall::fixed}, {Wall::fixed, Wall::symmetry}}});
+}
+
+TEST(Walls, held_components_vanish_on_the_wall_and_others_stay) {
+  const UnevenGrid<2> uneven;
+  const Grid<2>& grid = uneven.grid;
+  const Walls<2> walls({{{Wall::roller, Wall::free}, {Wall::free, Wall::fixed}}});
+  NodalField<2> field(grid, scalar_and_vector<2>());
+  fill_with_marks(grid, 2, field);
+  walls.hold(grid, field);
+  const int top = grid.nodes(1).count() - 2;
+  for (int c = 0; c < 3; ++c)
+    grid.for_each_owned_node([&](int local, const auto& node) {
+      const bool held = c > 0 && (node[1] == top || (node[0] == 1 && c == 1));
+      EXPECT_EQ(field.values(c)[local], held ? 0.0 : mark<2>(2, c, node));
+    });
+}
+
+// Layout ----------------------------------------------------------------------------------------
+
+/// Work that grows along y, nine tenths of it in the upper third.
+LayoutRequest<2> top_heavy(int ranks) {
+  LayoutRequest<2> request;
+  request.nodes = {43, 63};
+  request.cells = {40, 60};
+  request.owner_offset = 1;
+  request.smallest_range = 3;
+  request.ranks = ranks;
+  request.weight = [](const auto& cell) { return cell[1] < 40 ? 0.05 : 0.9; };
+  return request;
+}
+
+TEST(Layout, balances_the_work_and_not_the_cells) {
+  for (int ranks : {1, 2, 3, 4, 6, 8}) {
+    const auto request = top_heavy(ranks);
+    const auto layout = partition::balanced_layout(request);
+    EXPECT_EQ(layout.processes(0) * layout.processes(1), ranks);
+    EXPECT_LT(partition::imbalance(request, layout), 1.1) << ranks;
+    for (int d : {0, 1}) {
+      EXPECT_EQ(layout.starts[d].front(), 0);
+      EXPECT_EQ(layout.starts[d].back(), request.nodes[d]);
+      for (std::size_t k = 1; k < layout.starts[d].size(); ++k)
+        EXPECT_GE(layout.starts[d][k] - layout.starts[d][k - 1], request.smallest_range);
+    }
+  }
+}
+
+TEST(Layout, imbalance_is_the_largest_load_over_the_mean) {
+  auto request = top_heavy(2);
+  partition::Layout<2> halves;
+  halves.starts = {{{0, 43}, {0, 31, 63}}};  // 30 rows of cells each
+  const double lower = 30 * 0.05, upper = 10 * 0.05 + 20 * 0.9;
+  EXPECT_NEAR(partition::imbalance(request, halves), upper / (0.5 * (lower + upper)), 1e-12);
+}
+
+TEST(Layout, one_direction_is_cut_where_only_it_is_long) {
+  auto request = top_heavy(4);
+  request.nodes = {5, 63};
+  request.cells = {2, 60};
+  EXPECT_EQ(partition::balanced_layout(request).processes(1), 4);
+}
+
+TEST(Layout, too_many_ranks_are_refused_with_the_largest_count_that_works) {
+  auto request = top_heavy(9);
+  request.nodes = {7, 12};  // at most 2 x 4 ranks
+  request.cells = {4, 9};
+  try {
+    partition::balanced_layout(request);
+    FAIL() << "nothing was thrown";
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("9 ranks"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("works is 8"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace mpm::grid
