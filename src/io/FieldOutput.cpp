@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
 #include <numeric>
 
 #include "mpm/io/Hdf5File.hpp"
@@ -93,15 +92,7 @@ std::string collection(const std::string& name, const std::vector<std::string>& 
 }  // namespace
 
 template <int dim>
-FieldOutput<dim>::FieldOutput(std::string directory) : m_directory(std::move(directory)) {
-  if (world_rank() != 0) return;
-  for (const auto& entry : std::filesystem::directory_iterator(m_directory)) {
-    const std::string name = entry.path().filename().string();
-    const bool ours = name.starts_with("particles") || name.starts_with("grid");
-    if (ours && (name.ends_with(".h5") || name.ends_with(".xdmf") || name.ends_with(".part")))
-      std::filesystem::remove(entry.path());
-  }
-}
+FieldOutput<dim>::FieldOutput(std::string directory) : m_directory(std::move(directory)) {}
 
 template <int dim>
 std::string FieldOutput<dim>::path(const char* kind) const {

@@ -51,6 +51,21 @@ void make_directory(const std::string& path) {
                     path, error.message()));
 }
 
+void remove_results(const std::string& directory) {
+  if (is_root()) {
+    for (const char* name : {"history.csv", "summary.json", "failure.json", "threshold.csv",
+                             "used.opts", "particles.xdmf", "grid.xdmf"})
+      std::filesystem::remove(directory + "/" + name);
+    for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+      const std::string name = entry.path().filename().string();
+      const bool fields = name.starts_with("particles_") || name.starts_with("grid_");
+      if (fields && (name.ends_with(".h5") || name.ends_with(".h5.part")))
+        std::filesystem::remove(entry.path());
+    }
+  }
+  MPI_Barrier(PETSC_COMM_WORLD);  // nobody writes before the old files are gone
+}
+
 void write_text_file(const std::string& path, const std::string& text) {
   const std::string part = path + ".part";
   bool ok = true;

@@ -96,6 +96,7 @@ ExitCode run_scene(const options::CommandLine& line, const Root& root, Clock::ti
   }
   options.assign(without_scene(line));
   io::make_directory(scene->output_directory());
+  io::remove_results(scene->output_directory());
   io::write_text_file(scene->output_directory() + "/used.opts",
                       fmt::format("-scene {}\n{}", kind.name, options.used()));
   io::Summary summary;

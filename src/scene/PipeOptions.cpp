@@ -118,6 +118,12 @@ void PipeOptions::declare_geostatic(options::OptionSet& options) {
   options.real("geostatic_tolerance", geostatic_tolerance, {.minimum = 1e-12, .maximum = 0.1},
                {"1", "the stage ends when sum |f| falls below this share of the soil's weight",
                 "docs/model.md"});
+  options.real("geostatic_stress_tolerance", geostatic_stress_tolerance,
+               {.minimum = 1e-6, .maximum = 1.0},
+               {"1",
+                "largest rms error of vertical stress and of K0 beyond 2 D from the pipe at the "
+                "end of the stage",
+                "docs/model.md; open_knot walls need about 0.05"});
 }
 
 double PipeOptions::friction_coefficient() const {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpm/io/TextFile.hpp"
 #include "mpm/petsc/Session.hpp"
 
 namespace mpm::scene {
@@ -23,18 +22,13 @@ int world_size() {
   return ranks;
 }
 
-const std::string& with_directory(const std::string& path) {
-  io::make_directory(path);
-  return path;
-}
-
 }  // namespace
 
 template <int dim>
 RunLoop<dim>::RunLoop(const RunOptions& options, solver::Simulation<dim>& simulation)
     : m_options(options),
       m_simulation(simulation),
-      m_output(with_directory(options.output_dir)),
+      m_output(options.output_dir),
       m_progress(options.progress),
       m_times_left(options.particle_output_times),
       m_initial_mass(simulation.total_mass()) {

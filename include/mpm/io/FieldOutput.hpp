@@ -21,7 +21,6 @@ struct Moment {
 template <int dim>
 class FieldOutput {
  public:
-  /// Removes the outputs of an earlier run from the directory. Collective.
   explicit FieldOutput(std::string directory);
 
   /// Collective.

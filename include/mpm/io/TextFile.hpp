@@ -9,6 +9,9 @@ namespace mpm::io {
 /// Makes a directory with its parents. Collective; throws BadInput on all ranks if it cannot.
 void make_directory(const std::string& path);
 
+/// Removes the results of an earlier run from a directory, and nothing else. Collective.
+void remove_results(const std::string& directory);
+
 /// Writes a file as `path.part` and renames it; rank 0 does it, all ranks learn of a failure and
 /// throw NumericalFailure. Collective.
 void write_text_file(const std::string& path, const std::string& text);

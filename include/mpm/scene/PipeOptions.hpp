@@ -41,6 +41,7 @@ struct PipeOptions {
   double gravity = 9.81;  ///< m/s^2
   double damping = 0.7;
   double geostatic_tolerance = 1e-3;
+  double geostatic_stress_tolerance = 0.02;
 
   PipeOptions();
   void declare(options::OptionSet& options);
