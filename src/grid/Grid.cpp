@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mpm/petsc/Error.hpp"
+#include "mpm/petsc/Session.hpp"
 
 namespace mpm::grid {
 namespace {
@@ -66,9 +67,7 @@ template <int dim>
 Grid<dim>::Grid(const std::array<basis::NodeLine, dim>& nodes, const partition::Layout<dim>& layout)
     : m_nodes(nodes), m_layout(layout) {
   create_dmda<dim>(nodes, layout, stencil_width(nodes[0]), m_dm.address());
-  int rank = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  const Index process = coordinates_of<dim>(rank, layout);
+  const Index process = coordinates_of<dim>(petsc::world_rank(), layout);
   m_owned = owned_box_of(process);
   m_ghosted = ghosted_box_of(process);
   m_owned_cells = cells_of<dim>(m_owned, nodes, 0);

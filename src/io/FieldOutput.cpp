@@ -12,12 +12,6 @@
 namespace mpm::io {
 namespace {
 
-int world_rank() {
-  int rank = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  return rank;
-}
-
 /// N x 3 from the components that the dimension has, the rest zero.
 template <int dim>
 std::vector<double> as_vectors(const std::array<double*, dim>& components, int count) {
@@ -156,7 +150,7 @@ std::string FieldOutput<dim>::write_particles(const Moment& moment,
     scalar(particles.state_names()[s], {view.state[s], view.state[s] + view.count});
   integers("id", std::vector<std::int64_t>(view.id, view.id + view.count), 8);
   integers("material", std::vector<std::int32_t>(view.material, view.material + view.count), 4);
-  integers("rank", std::vector<std::int32_t>(local, world_rank()), 4);
+  integers("rank", std::vector<std::int32_t>(local, petsc::world_rank()), 4);
   file.close();
 
   std::string grid = fmt::format(
@@ -198,7 +192,7 @@ std::string FieldOutput<dim>::write_grid(const Moment& moment, const grid::Grid<
   for (int d = 0; d < 3; ++d) {
     const std::vector<double> line = d < dim ? grid.nodes(d).positions : std::vector<double>{0.0};
     const std::string dataset = fmt::format("nodes_{}", "xyz"[d]);
-    file.rows(dataset, world_rank() == 0 ? line : std::vector<double>{}, 1);
+    file.rows(dataset, petsc::world_rank() == 0 ? line : std::vector<double>{}, 1);
     xdmf += data_item(std::to_string(line.size()), double_number, name + ":/" + dataset);
   }
   xdmf += "</Geometry>\n";

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "mpm/core/Errors.hpp"
+#include "mpm/petsc/Session.hpp"
 
 namespace mpm::io {
 namespace {
@@ -129,9 +130,8 @@ void Hdf5File::rows(const std::string& name, const std::vector<Value>& values, i
 void Hdf5File::close() {
   const bool closed = H5Fclose(std::exchange(m_file, H5I_INVALID_HID)) >= 0;
   check(closed, "close");
-  int rank = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  check(rank != 0 || std::rename((m_path + ".part").c_str(), m_path.c_str()) == 0, "rename");
+  check(petsc::world_rank() != 0 || std::rename((m_path + ".part").c_str(), m_path.c_str()) == 0,
+        "rename");
 }
 
 template void Hdf5File::rows(const std::string&, const std::vector<double>&, int);

@@ -10,15 +10,10 @@
 #include <utility>
 
 #include "mpm/core/Errors.hpp"
+#include "mpm/petsc/Session.hpp"
 
 namespace mpm::io {
 namespace {
-
-bool is_root() {
-  int rank = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  return rank == 0;
-}
 
 bool agreed(bool ok) {
   int all_ok = ok ? 1 : 0;
@@ -42,8 +37,8 @@ bool write_whole(const std::string& path, const std::string& text) {
 
 void make_directory(const std::string& path) {
   std::error_code error;
-  if (is_root()) std::filesystem::create_directories(path, error);
-  const bool usable = !is_root() || (std::filesystem::is_directory(path) && !error);
+  if (petsc::is_root()) std::filesystem::create_directories(path, error);
+  const bool usable = !petsc::is_root() || (std::filesystem::is_directory(path) && !error);
   if (!agreed(usable))
     throw BadInput(
         fmt::format("-output_dir {}: the directory cannot be made ({}); name one that "
@@ -52,7 +47,7 @@ void make_directory(const std::string& path) {
 }
 
 void remove_results(const std::string& directory) {
-  if (is_root()) {
+  if (petsc::is_root()) {
     for (const char* name : {"history.csv", "summary.json", "failure.json", "threshold.csv",
                              "used.opts", "particles.xdmf", "grid.xdmf"})
       std::filesystem::remove(directory + "/" + name);
@@ -69,14 +64,15 @@ void remove_results(const std::string& directory) {
 void write_text_file(const std::string& path, const std::string& text) {
   const std::string part = path + ".part";
   bool ok = true;
-  if (is_root()) ok = write_whole(part, text) && std::rename(part.c_str(), path.c_str()) == 0;
+  if (petsc::is_root())
+    ok = write_whole(part, text) && std::rename(part.c_str(), path.c_str()) == 0;
   if (!agreed(ok)) fail(path);
 }
 
 CsvFile::CsvFile(std::string path, const std::vector<std::string>& columns)
     : m_path(std::move(path)) {
-  if (is_root()) m_file = std::fopen(m_path.c_str(), "w");
-  check(!is_root() ||
+  if (petsc::is_root()) m_file = std::fopen(m_path.c_str(), "w");
+  check(!petsc::is_root() ||
         (m_file != nullptr &&
          std::fputs((fmt::format("{}\n", fmt::join(columns, ","))).c_str(), m_file) >= 0));
 }

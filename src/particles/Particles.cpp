@@ -239,25 +239,39 @@ void Particles<dim>::remove(std::span<const int> leaving) {
 
 template <int dim>
 void Particles<dim>::migrate() {
-  int rank = 0, ranks = 1;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
   const std::vector<int> destination = destinations();
-  if (petsc::sum(static_cast<long long>(std::count(destination.begin(), destination.end(), -1))) >
-      0)
-    throw NumericalFailure("a particle left the grid; see failure.json");
+  const long long outside = std::count(destination.begin(), destination.end(), -1);
+  if (petsc::sum(outside) > 0) throw NumericalFailure("a particle left the grid");
 
-  std::vector<int> leaving(destination.size());
-  std::iota(leaving.begin(), leaving.end(), 0);
-  std::erase_if(leaving, [&](int p) { return destination[static_cast<std::size_t>(p)] == rank; });
-  std::vector<int> by_rank = leaving;
+  const int here = petsc::world_rank();
+  std::vector<int> leaving;
+  for (int p = 0; p < static_cast<int>(destination.size()); ++p)
+    if (destination[static_cast<std::size_t>(p)] != here) leaving.push_back(p);
+  const std::vector<std::byte> incoming = exchange(leaving, destination);
+
+  remove(leaving);
+  const int staying = local_count();
+  const int arriving = static_cast<int>(incoming.size() / bytes_per_particle());
+  MPM_PETSC(DMSwarmSetLocalSizes(m_swarm, staying + arriving, spare_particles));
+  unpack(incoming, staying);
+  const long long count = petsc::sum(static_cast<long long>(staying + arriving));
+  if (count != m_global_count)
+    throw NumericalFailure(
+        fmt::format("{} particles before migration, {} after it", m_global_count, count));
+  sort();
+}
+
+/// Sends the leaving particles to their destinations; returns those that arrive here.
+template <int dim>
+std::vector<std::byte> Particles<dim>::exchange(std::span<const int> leaving,
+                                                std::span<const int> destination) const {
+  std::vector<int> by_rank(leaving.begin(), leaving.end());
   std::stable_sort(by_rank.begin(), by_rank.end(), [&](int p, int q) {
     return destination[static_cast<std::size_t>(p)] < destination[static_cast<std::size_t>(q)];
   });
-
   const auto bytes = static_cast<int>(bytes_per_particle());
-  std::vector<int> send_count(static_cast<std::size_t>(ranks), 0), receive_count(send_count),
-      send_start(send_count), receive_start(send_count);
+  std::vector<int> send_count(static_cast<std::size_t>(petsc::world_size()), 0);
+  std::vector<int> receive_count = send_count, send_start = send_count, receive_start = send_count;
   for (int p : by_rank)
     send_count[static_cast<std::size_t>(destination[static_cast<std::size_t>(p)])] += bytes;
   MPI_Alltoall(send_count.data(), 1, MPI_INT, receive_count.data(), 1, MPI_INT, PETSC_COMM_WORLD);
@@ -269,17 +283,7 @@ void Particles<dim>::migrate() {
       static_cast<std::size_t>(receive_start.back() + receive_count.back()));
   MPI_Alltoallv(outgoing.data(), send_count.data(), send_start.data(), MPI_BYTE, incoming.data(),
                 receive_count.data(), receive_start.data(), MPI_BYTE, PETSC_COMM_WORLD);
-
-  remove(leaving);
-  const int staying = local_count();
-  const auto arriving = static_cast<int>(incoming.size()) / bytes;
-  MPM_PETSC(DMSwarmSetLocalSizes(m_swarm, staying + arriving, spare_particles));
-  unpack(incoming, staying);
-  const long long count = petsc::sum(static_cast<long long>(staying + arriving));
-  if (count != m_global_count)
-    throw NumericalFailure(
-        fmt::format("{} particles before migration, {} after it", m_global_count, count));
-  sort();
+  return incoming;
 }
 
 /// Material-major, then row-major cell within this rank's reachable cells.

@@ -33,6 +33,18 @@ Session::~Session() {
   PetscFinalize();
 }
 
+int world_rank() {
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  return rank;
+}
+
+int world_size() {
+  int ranks = 1;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  return ranks;
+}
+
 namespace {
 template <class Number>
 Number reduce(Number value, MPI_Datatype type, MPI_Op operation) {

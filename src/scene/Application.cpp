@@ -52,6 +52,13 @@ const SceneKind& find_scene(const std::string& name) {
                              name, fmt::join(names, ", "), options::nearest(name, names)));
 }
 
+/// What failure.json holds: at least the message.
+std::string as_json(const NumericalFailure& failure) {
+  nlohmann::ordered_json details = nlohmann::ordered_json::parse(failure.details());
+  if (!details.contains("message")) details["message"] = failure.what();
+  return details.dump(2) + "\n";
+}
+
 class Root {
  public:
   explicit Root(bool is_root) : m_is_root(is_root) {}
@@ -106,7 +113,7 @@ ExitCode run_scene(const options::CommandLine& line, const Root& root, Clock::ti
   try {
     scene->run(summary);
   } catch (const NumericalFailure& failure) {
-    io::write_text_file(scene->output_directory() + "/failure.json", failure.details() + "\n");
+    io::write_text_file(scene->output_directory() + "/failure.json", as_json(failure));
     root.complain(fmt::format("mpmsolve: the run failed: {}\n  details in {}/failure.json\n",
                               failure.what(), scene->output_directory()));
     return ExitCode::numerical_failure;

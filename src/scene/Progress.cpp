@@ -1,10 +1,11 @@
 #include "mpm/scene/Progress.hpp"
 
 #include <fmt/format.h>
-#include <petscsys.h>
 #include <unistd.h>
 
 #include <cstdio>
+
+#include "mpm/petsc/Session.hpp"
 
 namespace mpm::scene {
 namespace {
@@ -19,9 +20,7 @@ std::string duration(double seconds) {
 }  // namespace
 
 Progress::Progress(ProgressDisplay display) : m_terminal(isatty(STDOUT_FILENO) != 0) {
-  int rank = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  m_shown = rank == 0 && display != ProgressDisplay::off;
+  m_shown = petsc::is_root() && display != ProgressDisplay::off;
 }
 
 void Progress::print_line(const std::string& line, const char* ending) const {

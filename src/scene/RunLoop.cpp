@@ -16,12 +16,6 @@ double peak_memory_bytes() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
-int world_size() {
-  int ranks = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  return ranks;
-}
-
 }  // namespace
 
 template <int dim>
@@ -102,7 +96,7 @@ void RunLoop<dim>::summarise(io::Summary& summary) const {
   const solver::RunState& state = m_simulation.state();
   const auto particles = static_cast<double>(m_simulation.particles().global_count());
   const double seconds = petsc::maximum(m_seconds_in_steps);
-  summary.set("ranks", world_size());
+  summary.set("ranks", petsc::world_size());
   summary.set("cells", m_simulation.grid().global_cells());
   summary.set("particles", m_simulation.particles().global_count());
   summary.set("particles_lost", 0);  // a lost particle stops the run

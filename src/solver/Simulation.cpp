@@ -36,12 +36,6 @@ std::array<basis::NodeLine, dim> node_lines(const std::array<Spline, dim>& splin
   return {splines[d].nodes()...};
 }
 
-int world_size() {
-  int ranks = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  return ranks;
-}
-
 template <int dim>
 nlohmann::json to_json(const Vector<dim>& vector) {
   return std::vector<double>(vector.begin(), vector.end());
@@ -73,7 +67,7 @@ std::unique_ptr<grid::Grid<dim>> Simulation<dim>::make_grid(const SimulationSetu
   }
   request.owner_offset = nodes[0].owner_offset;
   request.smallest_range = grid::Grid<dim>::stencil_width(nodes[0]);
-  request.ranks = world_size();
+  request.ranks = petsc::world_size();
   // A cell without particles costs a little too: its node is updated.
   request.weight = [&](const std::array<int, dim>& cell) {
     return 0.1 + static_cast<double>(
@@ -153,8 +147,8 @@ void Simulation<dim>::agree(const StepReport& report) {
   int all = mine;
   MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
   if (all == stop) {
-    int rank = 0, first = world_size();
-    MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+    const int rank = petsc::world_rank();
+    int first = petsc::world_size();
     if (mine == stop) first = rank;
     MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
     std::string text = rank == first ? describe(report.broken_particle) : "";
@@ -239,7 +233,7 @@ double Simulation<dim>::total_mass() const {
 template <int dim>
 double Simulation<dim>::imbalance() const {
   const auto largest = petsc::maximum(static_cast<double>(m_particles->local_count()));
-  return largest * world_size() / static_cast<double>(m_particles->global_count());
+  return largest * petsc::world_size() / static_cast<double>(m_particles->global_count());
 }
 
 template class Simulation<1>;

@@ -2,6 +2,7 @@
 
 #include <petscdmswarm.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -121,6 +122,8 @@ class Particles {
   std::vector<std::byte*> open_columns() const;
   void close_columns(std::vector<std::byte*>& columns) const;
   std::vector<int> destinations() const;
+  std::vector<std::byte> exchange(std::span<const int> leaving,
+                                  std::span<const int> destination) const;
   std::vector<std::byte> pack(std::span<const int> leaving) const;
   void unpack(std::span<const std::byte> data, int first);
   void remove(std::span<const int> leaving);

@@ -25,6 +25,13 @@ class Session {
   int m_ranks = 1;
 };
 
+/// Of the world.
+int world_rank();
+int world_size();
+inline bool is_root() {
+  return world_rank() == 0;
+}
+
 /// Sum, minimum and maximum over all ranks of the world. Collective; the order of summation
 /// depends on the number of ranks only.
 double sum(double value);
