@@ -83,6 +83,71 @@ std::string collection(const std::string& name, const std::vector<std::string>& 
   return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";
 }
 
+/// The HDF5 file of one moment's particles and, beside it, the XDMF that describes it.
+class ParticleFile {
+ public:
+  ParticleFile(const std::string& directory, std::string name, long long global_count)
+      : m_name(std::move(name)), m_count(global_count), m_file(directory + "/" + m_name) {}
+
+  /// Readers show no particles without explicit connectivity.
+  void geometry(const std::vector<double>& positions) {
+    m_file.rows("position", positions, 3);
+    const auto local = static_cast<long long>(positions.size() / 3);
+    long long up_to_here = local;
+    MPI_Scan(MPI_IN_PLACE, &up_to_here, 1, MPI_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
+    std::vector<std::int32_t> connectivity(static_cast<std::size_t>(local));
+    std::iota(connectivity.begin(), connectivity.end(),
+              static_cast<std::int32_t>(up_to_here - local));
+    m_file.rows("connectivity", connectivity, 1);
+  }
+  void scalar(const std::string& name, const std::vector<float>& values) {
+    m_file.rows(name, values, 1);
+    describe({name, "Scalar", float_number, 1});
+  }
+  void vector(const std::string& name, const std::vector<double>& rows) {
+    m_file.rows(name, to_float(rows), 3);
+    describe({name, "Vector", float_number, 3});
+  }
+  void tensor(const std::string& name, const std::vector<float>& rows) {
+    m_file.rows(name, rows, SymmetricTensor::size);
+    describe({name, "Matrix", float_number, SymmetricTensor::size});
+  }
+  template <class Integer>
+  void integers(const std::string& name, const std::vector<Integer>& values) {
+    m_file.rows(name, values, 1);
+    describe(
+        {name, "Scalar", fmt::format("NumberType=\"Int\" Precision=\"{}\"", sizeof(Integer)), 1});
+  }
+
+  /// Closes the file; returns the XDMF grid.
+  std::string finish(const Moment& moment) {
+    write_attributes(m_file, moment);
+    m_file.close();
+    return fmt::format(
+        "    <Grid Name=\"particles\">\n      <Time Value=\"{}\"/>\n"
+        "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
+        "NodesPerElement=\"1\">{}</Topology>\n"
+        "      <Geometry GeometryType=\"XYZ\">{}</Geometry>\n{}    </Grid>\n",
+        moment.time, m_count,
+        data_item(std::to_string(m_count), "NumberType=\"Int\" Precision=\"4\"",
+                  m_name + ":/connectivity"),
+        data_item(fmt::format("{} 3", m_count), double_number, m_name + ":/position"),
+        m_attributes);
+  }
+
+ private:
+  void describe(const XdmfArray& array) {
+    const std::string shape =
+        array.columns == 1 ? std::to_string(m_count) : fmt::format("{} {}", m_count, array.columns);
+    m_attributes += attribute(array, "Node", shape, m_name);
+  }
+
+  std::string m_name;
+  long long m_count;
+  Hdf5File m_file;
+  std::string m_attributes;
+};
+
 }  // namespace
 
 template <int dim>
@@ -109,64 +174,26 @@ template <int dim>
 std::string FieldOutput<dim>::write_particles(const Moment& moment,
                                               const particles::Particles<dim>& particles) {
   const particles::ParticleView<dim> view = particles.view();
-  const auto local = static_cast<std::size_t>(view.count);
-  const std::string name = path("particles");
-  Hdf5File file(m_directory + "/" + name);
-  write_attributes(file, moment);
-  std::vector<XdmfArray> arrays;
-  auto scalar = [&](const std::string& dataset, const std::vector<float>& values) {
-    file.rows(dataset, values, 1);
-    arrays.push_back({dataset, "Scalar", float_number, 1});
-  };
-  auto vector = [&](const std::string& dataset, const std::array<double*, dim>& components) {
-    file.rows(dataset, to_float(as_vectors<dim>(components, view.count)), 3);
-    arrays.push_back({dataset, "Vector", float_number, 3});
-  };
-  auto integers = [&](const std::string& dataset, const auto& values, int precision) {
-    file.rows(dataset, values, 1);
-    arrays.push_back(
-        {dataset, "Scalar", fmt::format("NumberType=\"Int\" Precision=\"{}\"", precision), 1});
-  };
-  file.rows("position", as_vectors<dim>(view.position, view.count), 3);
-  std::vector<std::int32_t> connectivity(local);
-  std::iota(connectivity.begin(), connectivity.end(), 0);
-  const long long count = particles.global_count();
-  long long before = static_cast<long long>(local);
-  MPI_Scan(MPI_IN_PLACE, &before, 1, MPI_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
-  for (std::int32_t& index : connectivity)
-    index += static_cast<std::int32_t>(before - static_cast<long long>(local));
-  file.rows("connectivity", connectivity, 1);
-
-  vector("velocity", view.velocity);
-  vector("displacement", view.displacement);
+  ParticleFile file(m_directory, path("particles"), particles.global_count());
+  file.geometry(as_vectors<dim>(view.position, view.count));
+  file.vector("velocity", as_vectors<dim>(view.velocity, view.count));
+  file.vector("displacement", as_vectors<dim>(view.displacement, view.count));
   const StressOutput stress = stress_output<dim>(view);
-  file.rows("stress", stress.stress, SymmetricTensor::size);
-  arrays.push_back({"stress", "Matrix", float_number, SymmetricTensor::size});
-  scalar("p", stress.p);
-  scalar("q", stress.q);
-  scalar("deviatoric_strain", {view.deviatoric_strain, view.deviatoric_strain + view.count});
-  scalar("volume", {view.volume, view.volume + view.count});
+  file.tensor("stress", stress.stress);
+  file.scalar("p", stress.p);
+  file.scalar("q", stress.q);
+  const auto scalar = [&](const std::string& name, const double* values) {
+    file.scalar(name, {values, values + view.count});
+  };
+  scalar("deviatoric_strain", view.deviatoric_strain);
+  scalar("volume", view.volume);
   for (std::size_t s = 0; s < view.state.size(); ++s)
-    scalar(particles.state_names()[s], {view.state[s], view.state[s] + view.count});
-  integers("id", std::vector<std::int64_t>(view.id, view.id + view.count), 8);
-  integers("material", std::vector<std::int32_t>(view.material, view.material + view.count), 4);
-  integers("rank", std::vector<std::int32_t>(local, petsc::world_rank()), 4);
-  file.close();
-
-  std::string grid = fmt::format(
-      "    <Grid Name=\"particles\">\n      <Time Value=\"{}\"/>\n"
-      "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\">"
-      "{}</Topology>\n      <Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
-      moment.time, count,
-      data_item(std::to_string(count), "NumberType=\"Int\" Precision=\"4\"",
-                name + ":/connectivity"),
-      data_item(fmt::format("{} 3", count), double_number, name + ":/position"));
-  for (const XdmfArray& array : arrays)
-    grid += attribute(
-        array, "Node",
-        array.columns == 1 ? std::to_string(count) : fmt::format("{} {}", count, array.columns),
-        name);
-  return grid + "    </Grid>\n";
+    scalar(particles.state_names()[s], view.state[s]);
+  file.integers("id", std::vector<std::int64_t>(view.id, view.id + view.count));
+  file.integers("material", std::vector<std::int32_t>(view.material, view.material + view.count));
+  file.integers(
+      "rank", std::vector<std::int32_t>(static_cast<std::size_t>(view.count), petsc::world_rank()));
+  return file.finish(moment);
 }
 
 /// Nodal mass and velocity on the rectilinear mesh of the nodes (Greville abscissae).

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 
 #include "mpm/petsc/Session.hpp"
 
@@ -17,9 +19,22 @@ std::string duration(double seconds) {
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
 
+bool ends_at_terminal(pid_t process) {
+  const std::string link = fmt::format("/proc/{}/fd/{}", process, STDOUT_FILENO);
+  std::error_code error;
+  const std::string target = std::filesystem::read_symlink(link, error).string();
+  return target.starts_with("/dev/pts/") || target.starts_with("/dev/tty");
+}
+
+/// An MPI launcher may give its ranks a terminal of their own even where its output goes to a
+/// file, so the launcher is asked too.
+bool writes_to_terminal() {
+  return isatty(STDOUT_FILENO) != 0 && ends_at_terminal(getppid());
+}
+
 }  // namespace
 
-Progress::Progress(ProgressDisplay display) : m_terminal(isatty(STDOUT_FILENO) != 0) {
+Progress::Progress(ProgressDisplay display) : m_terminal(writes_to_terminal()) {
   m_shown = petsc::is_root() && display != ProgressDisplay::off;
 }
 
