@@ -1,0 +1,510 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "mpm/core/Errors.hpp"
+#include "mpm/petsc/Session.hpp"
+#include "support/Grids.hpp"
+#include "support/Scenes.hpp"
+
+namespace mpm::solver {
+namespace {
+
+using basis::KnotLines;
+using grid::Wall;
+using test::Snapshot;
+
+template <int dim>
+std::array<KnotLines, dim> equal_lines(double begin, double end, int cells) {
+  return [&]<std::size_t... d>(std::index_sequence<d...>) {
+    return std::array<KnotLines, dim>{
+        (static_cast<void>(d), KnotLines::uniform(begin, end, cells))...};
+  }
+  (std::make_index_sequence<static_cast<std::size_t>(dim)>{});
+}
+
+template <int dim>
+void run_steps(Simulation<dim>& simulation, int steps, double dt) {
+  for (int k = 0; k < steps; ++k) {
+    simulation.limit_next_step(dt);
+    simulation.advance();
+  }
+}
+
+// Patch test ------------------------------------------------------------------------------------
+
+/// Largest nodal force after a step under constant stress, as a share of stress times cell face.
+template <int dim>
+double patch_residual(SimulationSetup<dim> setup, const SymmetricTensor& stress) {
+  Simulation<dim> simulation(setup);
+  test::set_stress(simulation, stress);
+  run_steps(simulation, 1, 1e-13);
+  const grid::NodalField<dim>& sums = simulation.step().nodal_sums();
+  double largest = 0.0, face = 1.0;
+  simulation.grid().for_each_owned_node([&](int I, const auto&) {
+    for (int d = 0; d < dim; ++d)
+      largest = std::max(largest, std::abs(sums.values(1 + dim + d)[I]));
+  });
+  for (int d = 1; d < dim; ++d) face *= setup.lines[d].smallest_width();
+  return petsc::maximum(largest) / (norm(stress) * face);
+}
+
+const SymmetricTensor normal_stress{{-3e4, -2e4, -1.7e4, 0.0, 0.0, 0.0}};
+const SymmetricTensor any_stress{{-3e4, -2e4, -1.7e4, 0.9e4, -0.4e4, 0.7e4}};
+
+template <int dim>
+void constant_stress_leaves_no_force(const std::array<KnotLines, dim>& lines) {
+  for (int per_direction : {1, 2, 3}) {
+    auto rollers = test::full_box<dim>(lines, Wall::roller, per_direction);
+    EXPECT_LT(patch_residual(rollers, normal_stress), 1e-12);
+    auto fixed = test::full_box<dim>(lines, Wall::fixed, per_direction);
+    EXPECT_LT(patch_residual(fixed, any_stress), 1e-12);
+    auto mixed = rollers;
+    mixed.walls[0][0] = Wall::symmetry;
+    mixed.walls[dim - 1][1] = Wall::fixed;
+    EXPECT_LT(patch_residual(mixed, normal_stress), 1e-12);
+  }
+}
+
+TEST(PatchTest, constant_stress_leaves_no_force_at_mirrored_walls) {
+  constant_stress_leaves_no_force<1>(equal_lines<1>(-0.3, 3.9, 13));
+  constant_stress_leaves_no_force<2>(equal_lines<2>(-0.3, 2.1, 9));
+  constant_stress_leaves_no_force<3>(equal_lines<3>(-0.3, 1.4, 6));
+}
+
+TEST(PatchTest, gauss_points_pass_on_graded_lines_and_midpoints_do_not) {
+  const std::array lines{test::graded_lines(9), test::graded_lines(11)};
+  auto gauss = test::full_box<2>(lines, Wall::roller);
+  gauss.filling.placement = particles::Placement::gauss;
+  EXPECT_LT(patch_residual(gauss, normal_stress), 1e-12);
+  EXPECT_GT(patch_residual(test::full_box<2>(lines, Wall::roller), normal_stress), 1e-3);
+}
+
+TEST(PatchTest, stress_along_a_roller_is_not_carried_by_it) {
+  EXPECT_GT(
+      patch_residual(test::full_box<2>(equal_lines<2>(0.0, 1.8, 9), Wall::roller), any_stress),
+      1e-3);
+}
+
+TEST(PatchTest, open_knots_leave_their_known_residual) {
+  for (int per_cell : {1, 2, 3, 5}) {
+    const int cells = 13;
+    auto setup = test::full_box<1>(equal_lines<1>(-0.7, 3.2, cells), Wall::free, per_cell);
+    setup.ends = basis::EndTreatment::open_knot;
+    Simulation<1> simulation(setup);
+    const double sigma = 2.3e4;
+    test::set_stress(simulation, {{sigma, 0.0, 0.0, 0.0, 0.0, 0.0}});
+    run_steps(simulation, 1, 1e-13);
+    const double* force = simulation.step().nodal_sums().values(2);
+    simulation.grid().for_each_owned_node([&](int I, const std::array<int, 1>& node) {
+      const int last = cells + 2;
+      const int k = std::min(node[0], last - node[0]);
+      const double side = node[0] == k ? 1.0 : -1.0;
+      const std::array<double, 3> known{0.25, -0.375, 0.125};
+      // f = -integral of sigma dN/dx, which is sigma at the first function and zero inside.
+      const double exact = k == 0 ? sigma : 0.0;
+      const double residual = k < 3 ? sigma * known[static_cast<std::size_t>(k)] : 0.0;
+      EXPECT_NEAR(side * force[I], exact - residual / (per_cell * per_cell), 1e-12 * sigma)
+          << "node " << node[0];
+    });
+  }
+}
+
+// Velocity fields -------------------------------------------------------------------------------
+
+/// v_i = gradient_ij (x_j - fixed point), which the walls of `setup` must allow.
+template <int dim>
+using Gradient = std::array<Vector<dim>, dim>;
+
+template <int dim>
+Vector<dim> linear_velocity(const Gradient<dim>& L, const Vector<dim>& x) {
+  Vector<dim> v{};
+  for (int i = 0; i < dim; ++i)
+    for (int j = 0; j < dim; ++j) v[i] += L[i][j] * x[j];
+  return v;
+}
+
+/// Checks the strain of one step and the motion on particles that no free surface is near to.
+template <int dim>
+void linear_field_is_reproduced(const SimulationSetup<dim>& setup, const Gradient<dim>& L,
+                                const std::function<bool(const Vector<dim>&)>& is_inside) {
+  Simulation<dim> simulation(setup);
+  test::set_velocity<dim>(simulation, [&](const auto& x) { return linear_velocity<dim>(L, x); });
+  const double dt = 1e-5;
+  run_steps(simulation, 1, dt);
+  const double E = test::soft.youngs_modulus, nu = test::soft.poisson_ratio;
+  const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), mu = 0.5 * E / (1 + nu);
+  int inside = 0;
+  for (const Snapshot<dim>& p : test::snapshots(simulation.particles())) {
+    if (!is_inside(p.start)) continue;
+    ++inside;
+    const Vector<dim> v = linear_velocity<dim>(L, p.start);
+    double divergence = 0.0;
+    for (int i = 0; i < dim; ++i) divergence += L[i][i];
+    for (int i = 0; i < dim; ++i) {
+      EXPECT_NEAR(p.velocity[i], v[i], 1e-12);
+      EXPECT_NEAR(p.position[i], p.start[i] + v[i] * dt, 1e-14);
+      EXPECT_NEAR(p.stress[i] / E, (lambda * divergence + 2 * mu * L[i][i]) / E * dt, 1e-12 * dt);
+    }
+    if constexpr (dim >= 2) {
+      EXPECT_NEAR(p.stress[3] / E, mu * (L[0][1] + L[1][0]) / E * dt, 1e-12 * dt);
+    }
+    if constexpr (dim == 3) {
+      EXPECT_NEAR(p.stress[4] / E, mu * (L[1][2] + L[2][1]) / E * dt, 1e-12 * dt);
+      EXPECT_NEAR(p.stress[5] / E, mu * (L[0][2] + L[2][0]) / E * dt, 1e-12 * dt);
+    }
+  }
+  EXPECT_GT(inside, 0);
+}
+
+TEST(LinearVelocity, is_reproduced_inside_a_body) {
+  linear_field_is_reproduced<1>(test::full_box<1>(equal_lines<1>(-1.3, 1.3, 13), Wall::free),
+                                {{{0.7}}}, [](const auto& x) { return std::abs(x[0]) < 0.5; });
+  linear_field_is_reproduced<2>(
+      test::full_box<2>(equal_lines<2>(-1.3, 1.3, 13), Wall::free), {{{0.7, -0.3}, {1.1, 0.4}}},
+      [](const auto& x) { return std::abs(x[0]) < 0.5 && std::abs(x[1]) < 0.5; });
+  linear_field_is_reproduced<3>(
+      test::full_box<3>(equal_lines<3>(-1.3, 1.3, 13), Wall::free),
+      {{{0.7, -0.3, 0.2}, {1.1, 0.4, -0.6}, {-0.8, 0.35, 0.9}}}, [](const auto& x) {
+        return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])}) < 0.3;
+      });
+}
+
+TEST(LinearVelocity, is_reproduced_up_to_mirrored_walls) {
+  auto setup = test::full_box<2>(equal_lines<2>(0.0, 2.6, 13), Wall::free, 3);
+  setup.walls[0][0] = Wall::roller;
+  setup.walls[1][0] = Wall::symmetry;
+  linear_field_is_reproduced<2>(setup, {{{0.7, 0.0}, {0.0, -0.45}}},
+                                [](const auto& x) { return x[0] < 1.4 && x[1] < 1.4; });
+}
+
+// Rigid rotation --------------------------------------------------------------------------------
+
+/// Gives every node the velocity omega x x_I.
+template <int dim>
+class Turn : public grid::NodalCondition<dim> {
+ public:
+  explicit Turn(const Gradient<dim>& spin) : m_spin(spin) {}
+  void correct(const grid::Grid<dim>& grid, const grid::NodalMotion<dim>& motion) override {
+    grid.for_each_owned_node([&](int I, const auto& node) {
+      const Vector<dim> v = linear_velocity<dim>(m_spin, grid.position(node));
+      for (int d = 0; d < dim; ++d) {
+        motion.momentum[d][I] = motion.mass[I] * v[d];
+        if (motion.is_first_mapping()) motion.force[d][I] = 0.0;
+      }
+    });
+  }
+
+ private:
+  Gradient<dim> m_spin;
+};
+
+template <int dim>
+double stress_norm(const Snapshot<dim>& p) {
+  SymmetricTensor s;
+  for (int k = 0; k < tensor_components<dim>; ++k) s[k] = p.stress[static_cast<std::size_t>(k)];
+  return norm(s);
+}
+
+/// One turn in 1000 steps. `omega` is the size of the spin, rad/s.
+template <int dim>
+void turn_keeps_stress_and_volume(const Gradient<dim>& spin, double omega) {
+  auto setup = test::full_box<dim>(equal_lines<dim>(-1.3, 1.3, 13), Wall::free);
+  setup.filling.material_at = [](const Vector<dim>& x) {
+    double square = 0.0;
+    for (double component : x) square += component * component;
+    return square < 0.16 ? std::optional(0) : std::nullopt;
+  };
+  Simulation<dim> simulation(setup);
+  simulation.add_condition(std::make_shared<Turn<dim>>(spin));
+  test::set_stress(simulation, any_stress);
+  const auto before = test::snapshots(simulation.particles());
+  run_steps(simulation, 500, 2 * std::numbers::pi / omega / 1000);
+  const auto half = test::snapshots(simulation.particles());
+  EXPECT_GT(std::abs(half[0].position[1] - before[0].position[1]), 0.3);
+  run_steps(simulation, 500, 2 * std::numbers::pi / omega / 1000);
+  const auto after = test::snapshots(simulation.particles());
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t p = 0; p < after.size(); ++p) {
+    EXPECT_NEAR(stress_norm(after[p]) / stress_norm(before[p]), 1.0, 1e-12);
+    EXPECT_NEAR(after[p].volume / before[p].volume, 1.0, 1e-12);
+    for (std::size_t k = 0; k < tensor_components<dim>; ++k)
+      EXPECT_NEAR(after[p].stress[k] / norm(any_stress), before[p].stress[k] / norm(any_stress),
+                  5e-5);
+  }
+}
+
+TEST(RigidRotation, keeps_stress_norm_and_volume_and_turns_the_stress) {
+  turn_keeps_stress_and_volume<2>({{{0.0, -1.7}, {1.7, 0.0}}}, 1.7);
+  const Vector<3> w{0.9, -1.3, 0.6};
+  turn_keeps_stress_and_volume<3>({{{0.0, -w[2], w[1]}, {w[2], 0.0, -w[0]}, {-w[1], w[0], 0.0}}},
+                                  std::hypot(w[0], w[1], w[2]));
+}
+
+// Bodies that collide ---------------------------------------------------------------------------
+
+constexpr double disc_radius = 0.7, disc_distance = 0.95, disc_speed = 0.03;
+
+/// Two discs about (-distance, 0) and (distance, 0) that approach each other; with a symmetry wall
+/// at x = 0 one of them is left.
+SimulationSetup<2> discs(bool half) {
+  SimulationSetup<2> setup{.lines = {KnotLines::uniform(half ? 0.0 : -2.4, 2.4, half ? 24 : 48),
+                                     KnotLines::uniform(-1.2, 1.2, 24)}};
+  setup.walls = test::walls_all<2>(Wall::free);
+  if (half) setup.walls[0][0] = Wall::symmetry;
+  setup.materials = {test::elastic()};
+  setup.filling = {[](const Vector<2>& x) {
+                     const double r = std::hypot(std::abs(x[0]) - disc_distance, x[1]);
+                     return r < disc_radius ? std::optional(0) : std::nullopt;
+                   },
+                   [](const auto&) { return 2; }};
+  return setup;
+}
+
+void start_discs(Simulation<2>& simulation) {
+  test::set_velocity<2>(simulation, [](const Vector<2>& x) {
+    return Vector<2>{x[0] > 0.0 ? -disc_speed : disc_speed, 0.0};
+  });
+}
+
+/// Of the motion about the common centre of mass.
+double relative_energy(const Simulation<2>& simulation) {
+  const Vector<2> P = simulation.momentum();
+  return simulation.kinetic_energy() - 0.5 * (P[0] * P[0] + P[1] * P[1]) / simulation.total_mass();
+}
+
+/// Between the facing ends of the discs.
+double gap(Simulation<2>& simulation) {
+  double left = -1e9, right = 1e9;
+  const auto view = simulation.particles().view();
+  for (int p = 0; p < view.count; ++p) {
+    const double x = view.position[0][p];
+    if (x < view.displacement[0][p])
+      left = std::max(left, x);
+    else
+      right = std::min(right, x);
+  }
+  return petsc::minimum(right) - petsc::maximum(left);
+}
+
+/// Sum of V sigma : C^-1 sigma / 2.
+double strain_energy(Simulation<2>& simulation) {
+  const double E = test::soft.youngs_modulus, nu = test::soft.poisson_ratio;
+  const auto view = simulation.particles().view();
+  double energy = 0.0;
+  for (int p = 0; p < view.count; ++p) {
+    SymmetricTensor s;
+    for (int k = 0; k < 4; ++k) s[k] = view.stress[k][p];
+    energy += 0.5 * view.volume[p] / E * ((1 + nu) * contract(s, s) - nu * trace(s) * trace(s));
+  }
+  return petsc::sum(energy);
+}
+
+/// Lets the discs run into each other with +-disc_speed about a common velocity, until they are as
+/// far apart again as they were. Returns the share of the relative motion's energy that is left.
+struct Rebound {
+  double kinetic, lowest_kinetic, mechanical;
+};
+Rebound collide(Simulation<2>& simulation, const Vector<2>& common) {
+  test::set_velocity<2>(simulation, [&](const Vector<2>& x) {
+    return Vector<2>{common[0] + (x[0] > 0.0 ? -disc_speed : disc_speed), common[1]};
+  });
+  const double mass = simulation.total_mass(), energy = relative_energy(simulation);
+  const Vector<2> momentum = simulation.momentum();
+  const double first_gap = gap(simulation);
+  double lowest = energy;
+  while (simulation.state().time < 40.0 && (lowest == energy || gap(simulation) < first_gap)) {
+    for (int k = 0; k < 20; ++k) simulation.advance();
+    lowest = std::min(lowest, relative_energy(simulation));
+  }
+  EXPECT_GE(gap(simulation), first_gap);
+  EXPECT_NEAR(simulation.total_mass() / mass, 1.0, 1e-13);
+  for (int d : {0, 1})
+    EXPECT_NEAR(simulation.momentum()[d], momentum[d], 1e-12 * mass * disc_speed);
+  const double kinetic = relative_energy(simulation);
+  return {kinetic / energy, lowest / energy, (kinetic + strain_energy(simulation)) / energy};
+}
+
+TEST(Collision, of_two_discs_keeps_mass_and_momentum_and_gives_the_energy_back) {
+  Simulation<2> simulation(discs(false));
+  const Rebound rebound = collide(simulation, {0.0, 0.0});
+  EXPECT_LT(rebound.lowest_kinetic, 0.2);
+  EXPECT_GT(rebound.kinetic, 0.95);
+}
+
+/// Where the discs do not touch on a grid line, the common nodes hold them together for a while as
+/// they part and leave stress in their surfaces: that energy is kept, but not as motion.
+TEST(Collision, in_a_moving_frame_keeps_momentum_and_mechanical_energy) {
+  Simulation<2> simulation(discs(false));
+  const Rebound rebound = collide(simulation, {-0.007, 0.009});
+  EXPECT_LT(rebound.lowest_kinetic, 0.2);
+  EXPECT_NEAR(rebound.mechanical, 1.0, 0.03);
+}
+
+/// Closes the gap of the discs quickly, then lets them swing.
+constexpr double disc_dt = 2e-2;
+constexpr int disc_steps = 1000;
+
+TEST(HalfModel, equals_the_full_one_over_1000_steps) {
+  auto full_setup = discs(false), half_setup = discs(true);
+  Simulation<2> full(full_setup), half(half_setup);
+  for (Simulation<2>* simulation : {&full, &half}) {
+    start_discs(*simulation);
+    run_steps(*simulation, disc_steps, disc_dt);
+  }
+  EXPECT_GT(full.state().time, 0.999 * disc_steps * disc_dt);  // dt was never cut
+  auto by_start = [](const Snapshot<2>& a, const Snapshot<2>& b) {
+    auto key = [](const Snapshot<2>& p) {
+      return std::pair(std::llround(1e6 * p.start[1]), std::llround(1e6 * p.start[0]));
+    };
+    return key(a) < key(b);
+  };
+  auto right = test::snapshots(full.particles()), only = test::snapshots(half.particles());
+  std::erase_if(right, [](const Snapshot<2>& p) { return p.start[0] < 0.0; });
+  std::ranges::sort(right, by_start);
+  std::ranges::sort(only, by_start);
+  ASSERT_EQ(right.size(), only.size());
+  double largest_stress = 0.0;
+  for (const auto& p : right) largest_stress = std::max(largest_stress, std::abs(p.stress[0]));
+  EXPECT_GT(largest_stress, 0.003 * test::soft.youngs_modulus);  // they did touch
+  for (std::size_t p = 0; p < only.size(); ++p) {
+    for (int d : {0, 1}) {
+      EXPECT_NEAR(only[p].position[d], right[p].position[d], 1e-10 * disc_radius);
+      EXPECT_NEAR(only[p].velocity[d], right[p].velocity[d], 1e-10 * disc_speed);
+    }
+    for (std::size_t k = 0; k < 4; ++k)
+      EXPECT_NEAR(only[p].stress[k], right[p].stress[k], 1e-10 * largest_stress);
+  }
+}
+
+// Ranks -----------------------------------------------------------------------------------------
+
+std::vector<Snapshot<2>> discs_after(int steps) {
+  Simulation<2> simulation(discs(false));
+  test::set_velocity<2>(simulation, [](const Vector<2>& x) {
+    return x[0] > 0.0 ? Vector<2>{-2 * disc_speed, 0.03} : Vector<2>{3 * disc_speed, 0.02};
+  });
+  for (int k = 0; k < steps; ++k) simulation.advance();
+  return test::snapshots(simulation.particles());
+}
+
+TEST(Ranks, give_the_same_motion_as_a_single_one) {
+  const int steps = 300;
+  const auto shared = discs_after(steps);
+  const test::SerialWorld alone;
+  const auto serial = discs_after(steps);
+  ASSERT_EQ(shared.size(), serial.size());
+  for (std::size_t p = 0; p < serial.size(); ++p)
+    for (int d : {0, 1}) {
+      EXPECT_EQ(shared[p].id, serial[p].id);
+      EXPECT_NEAR(shared[p].position[d], serial[p].position[d], 1e-10 * disc_radius);
+      EXPECT_NEAR(shared[p].velocity[d], serial[p].velocity[d], 1e-10 * disc_speed);
+    }
+  EXPECT_GT(serial[0].position[1] - serial[0].start[1], 0.2);  // some have changed their cells
+}
+
+TEST(Ranks, repeat_themselves_bit_for_bit) {
+  const auto first = discs_after(300), second = discs_after(300);
+  ASSERT_EQ(first.size(), second.size());
+  EXPECT_EQ(std::memcmp(first.data(), second.data(), first.size() * sizeof(Snapshot<2>)), 0);
+}
+
+// Failures --------------------------------------------------------------------------------------
+
+constexpr std::int64_t victim = 95 * 4096 + 2;
+
+/// Linear elasticity that gives up where its state says so.
+class Brittle : public material::LinearElastic {
+ public:
+  Brittle() : LinearElastic(test::soft) {}
+  std::span<const material::StateVariable> state_variables() const override {
+    static const std::array<material::StateVariable, 1> fuse{{{"fuse", "0 while whole", "1", 0.0}}};
+    return fuse;
+  }
+  void update_stress(const material::Batch& batch) const override {
+    LinearElastic::update_stress(batch);
+    for (std::size_t p = 0; p < batch.size; ++p)
+      if (batch.state[0][p] != 0.0) batch.stress.component[1][p] = std::nan("");
+  }
+};
+
+/// A block in the middle of a grid between free walls, and the victim alone below it.
+SimulationSetup<2> block_and_victim() {
+  auto setup = test::full_box<2>(equal_lines<2>(0.0, 2.6, 26), Wall::free);
+  setup.materials = {std::make_shared<Brittle>()};
+  setup.filling.material_at = [](const Vector<2>& x) {  // the victim is in cell (17, 3)
+    const bool block = std::abs(x[0] - 1.3) < 0.5 && std::abs(x[1] - 1.6) < 0.5;
+    const bool alone = std::hypot(x[0] - 1.725, x[1] - 0.375) < 0.01;
+    return block || alone ? std::optional(0) : std::nullopt;
+  };
+  return setup;
+}
+
+/// Lets a change act on the victim; runs until all ranks fail with a message that has its id.
+template <class Change>
+void expect_failure_that_names_the_victim(const std::string& reason, const Change& change) {
+  Simulation<2> simulation(block_and_victim());
+  int victims = 0;
+  {
+    const auto view = simulation.particles().view();
+    for (int p = 0; p < view.count; ++p)
+      if (view.id[p] == victim) ++victims, change(view, p);
+  }
+  EXPECT_EQ(petsc::sum(static_cast<long long>(victims)), 1);
+  std::string message, details;
+  try {
+    for (int k = 0; k < 1000; ++k) simulation.advance();
+  } catch (const NumericalFailure& failure) {
+    message = failure.what();
+    details = failure.details();
+  }
+  EXPECT_NE(message.find(fmt::format("particle {} ", victim)), std::string::npos) << message;
+  EXPECT_NE(message.find(reason), std::string::npos) << message;
+  const std::string step = fmt::format("\"last_good_step\":{},", simulation.state().step);
+  EXPECT_NE(details.find(step), std::string::npos) << details;
+  EXPECT_NE(details.find(fmt::format("\"particle\":{},", victim)), std::string::npos) << details;
+}
+
+TEST(Failure, a_particle_thrown_out_of_a_free_wall_stops_all_ranks_by_name) {
+  expect_failure_that_names_the_victim("left the grid",
+                                       [](const auto& view, int p) { view.velocity[1][p] = -0.7; });
+}
+
+TEST(Failure, a_stress_that_is_not_a_number_stops_all_ranks_by_name) {
+  expect_failure_that_names_the_victim("not a number",
+                                       [](const auto& view, int p) { view.state[0][p] = 1.0; });
+}
+
+// Order in time ---------------------------------------------------------------------------------
+
+/// Mid-span displacement of a bar between fixed ends that swings with small amplitude, under time
+/// steps that change from step to step.
+double swinging_bar(double mean_dt, double end_time) {
+  Simulation<1> simulation(test::full_box<1>(equal_lines<1>(0.0, 1.3, 13), Wall::fixed));
+  const double amplitude = 1e-7;
+  test::set_velocity<1>(simulation, [&](const Vector<1>& x) {
+    return Vector<1>{amplitude * std::sin(std::numbers::pi * x[0] / 1.3)};
+  });
+  constexpr std::array pattern{1.0, 0.6, 1.3, 1.1};  // of mean 1
+  for (std::size_t k = 0; simulation.state().time < end_time * (1.0 - 1e-12); ++k)
+    run_steps(simulation, 1, pattern[k % 4] * mean_dt);
+  EXPECT_NEAR(simulation.state().time, end_time, 1e-9 * end_time);
+  double sum = 0.0;
+  for (const Snapshot<1>& p : test::snapshots(simulation.particles()))
+    sum += p.stress[0] * std::cos(std::numbers::pi * p.start[0] / 1.3);
+  return sum / (amplitude * test::soft.youngs_modulus);
+}
+
+TEST(CentralDifference, is_of_second_order_with_a_halved_first_step_and_varying_steps) {
+  const double end_time = 0.96, dt = 0.01;
+  const double coarse = swinging_bar(dt, end_time), middle = swinging_bar(dt / 2, end_time),
+               fine = swinging_bar(dt / 4, end_time);
+  EXPECT_NEAR(std::log2((coarse - middle) / (middle - fine)), 2.0, 0.1);
+  EXPECT_LT(std::abs(middle - fine), 1e-2 * std::abs(fine));
+}
+
+}  // namespace
+}  // namespace mpm::solver
