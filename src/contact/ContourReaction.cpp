@@ -21,6 +21,17 @@ Vector<dim> traction(const particles::ParticleView<dim>& particles, int p,
             s[5][p] * direction[0] + s[4][p] * direction[1] + s[2][p] * direction[2]};
 }
 
+struct Cutoff {
+  double value;
+  double slope;  ///< d chi/ds
+};
+
+/// 1 - 3 s^2 + 2 s^3: as smooth as a sum over particles needs to be close to the integral.
+Cutoff cutoff(double s) {
+  if (s <= 0.0) return {1.0, 0.0};
+  return {1.0 - s * s * (3.0 - 2.0 * s), -6.0 * s * (1.0 - s)};
+}
+
 }  // namespace
 
 template <int dim>
@@ -33,20 +44,21 @@ void ContourReaction<dim>::sample(const particles::ParticleView<dim>& particles,
   for (int p = 0; p < particles.count; ++p) {
     const Proximity<dim> place = body.locate(particles.position_of(p));
     if (place.distance >= m_band.outer) continue;
-    const double chi = std::min(1.0, (m_band.outer - place.distance) / width);
+    const Cutoff chi_p = cutoff((place.distance - m_band.inner) / width);
+    const double chi = chi_p.value;
     const double m = particles.mass[p];
     for (int d = 0; d < dim; ++d) {
       m_momentum[d] += m * particles.velocity[d][p] * chi;
       force[d] += m * gravity[d] * chi;
     }
-    if (chi == 1.0) continue;
-    // grad chi = -n/width
+    if (chi_p.slope == 0.0) continue;
     const Vector<dim> t = traction<dim>(particles, p, place.normal);
     double outflow = 0.0;
     for (int d = 0; d < dim; ++d)
       outflow += (particles.velocity[d][p] - body.velocity[d]) * place.normal[d];
     for (int d = 0; d < dim; ++d)
-      force[d] += (particles.volume[p] * t[d] - m * particles.velocity[d][p] * outflow) / width;
+      force[d] += (m * particles.velocity[d][p] * outflow - particles.volume[p] * t[d]) *
+                  chi_p.slope / width;
   }
   for (int d = 0; d < dim; ++d) m_force_time[d] += force[d] * dt;
   m_time += dt;

@@ -91,7 +91,7 @@ std::optional<Vector<dim>> RigidContact<dim>::touching(const grid::Grid<dim>& gr
   }
   if (m_options.normal == Normal::surface) return proximity.normal;
   Vector<dim> outward;
-  for (int d = 0; d < dim; ++d) outward[d] = -m_rigid_mass.values(1 + d)[local];
+  for (int d = 0; d < dim; ++d) outward[d] = m_rigid_mass.values(1 + d)[local];
   const double length = std::sqrt(dot<dim>(outward, outward));
   if (length == 0.0) return std::nullopt;
   for (double& component : outward) component /= length;

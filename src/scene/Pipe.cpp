@@ -38,7 +38,7 @@ class PipeRun {
         m_summary(summary),
         m_simulation(options.setup()),
         m_contact(make_contact()),
-        m_contour({.inner = 0.3 * options.diameter, .outer = 0.7 * options.diameter}),
+        m_contour({.inner = 0.15 * options.diameter, .outer = 0.85 * options.diameter}),
         m_loop(options.run, m_simulation),
         m_history(options.run.output_dir + "/history.csv",
                   {"time_s", "displacement_m", "u_over_D", "reaction_N_per_m", "N_d",

@@ -8,7 +8,7 @@ namespace mpm::contact {
 /// Width of the cut-off around a rigid body, distances from its surface in metres.
 struct ContourBand {
   double inner;  ///< chi = 1 up to here
-  double outer;  ///< chi = 0 from here, linear between
+  double outer;  ///< chi = 0 from here, a smooth step between
 };
 
 /// The reaction on a rigid body without asking the contact: the momentum balance of the soil
