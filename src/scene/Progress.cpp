@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
@@ -66,10 +67,11 @@ void Progress::update(double share_done, long long step, const std::string& stat
   m_last = now;
   m_next_tenth = static_cast<int>(share_done * 10.0) + 1;
   const double seconds = seconds_since_begin();
-  const double left = share_done > 0.0 ? seconds * (1.0 - share_done) / share_done : 0.0;
-  const std::string line =
-      fmt::format("{}: {:3.0f} %  {}  {:.0f} steps/s  {} left", m_stage, 100.0 * share_done, status,
-                  static_cast<double>(step - m_first_step) / seconds, duration(left));
+  const double left =
+      share_done > 0.0 ? seconds * std::max(0.0, 1.0 - share_done) / share_done : 0.0;
+  const std::string line = fmt::format(
+      "{}: {:3.0f} %  {}  {:.0f} steps/s  {} left", m_stage, 100.0 * std::min(share_done, 1.0),
+      status, static_cast<double>(step - m_first_step) / seconds, duration(left));
   print_line(line, m_terminal ? "" : "\n");
 }
 
