@@ -1,0 +1,161 @@
+"""What the program must refuse: exit code 2 on all ranks, one message, nothing hangs.
+
+usage: refusals.py LAUNCHER PROGRAM RANKS
+"""
+
+import concurrent.futures
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+EXIT_BAD_INPUT = 2
+PREFIX = "mpmsolve: bad input: "
+SECONDS = 60
+AT_ONCE = 4  # the launcher sleeps for two seconds after a refusal
+
+# Arguments and what the message must say. FILES/ is the directory of the files below, OUT/ one for
+# results.
+CASES = [
+    # no scene to run
+    ([], ["-scene", "missing", "mms1d"]),
+    (["-scene"], ["-scene", "needs a value"]),
+    (["-scene", "rotaton"], ["-scene", "rotaton", "nearest is rotation"]),
+    # names
+    (["-scene", "mms1d", "-curant", "0.3"], ["-curant", "0.3", "unknown", "-courant"]),
+    (["-scene", "mms1d", "-contact_friction", "0.3"], ["-contact_friction", "unknown"]),
+    (["-scene", "mms1d", "-cells=32"], ["-cells=32", "-cells 32"]),
+    # words
+    (["-scene", "mms1d", "stray"], ["stray"]),
+    (["stray", "-scene", "mms1d"], ["stray"]),
+    (["-scene", "mms1d", "-cells", "32", "64"], ["64", "-cells"]),
+    # values
+    (["-scene", "mms1d", "-cells"], ["-cells", "needs a value", "integer"]),
+    (["-scene", "mms1d", "-cells", "-courant", "0.3"], ["-cells", "needs a value"]),
+    (["-scene", "mms1d", "-cells", "many"], ["-cells", "many", "integer"]),
+    (["-scene", "mms1d", "-cells", "32.5"], ["-cells", "32.5", "integer"]),
+    (["-scene", "mms1d", "-cells", "0x20"], ["-cells", "0x20", "integer"]),
+    (["-scene", "mms1d", "-cells", "2"], ["-cells", "2", "3", "100000"]),
+    (["-scene", "mms1d", "-cells", "-32"], ["-cells", "-32", "3"]),
+    (["-scene", "mms1d", "-cells", "99999999999"], ["-cells", "99999999999", "100000"]),
+    (["-scene", "mms1d", "-cells", "99999999999999999999"], ["-cells", "99999999999999999999"]),
+    (["-scene", "mms1d", "-courant", "fast"], ["-courant", "fast", "real"]),
+    (["-scene", "mms1d", "-courant", "0.3x"], ["-courant", "0.3x", "real"]),
+    (["-scene", "mms1d", "-courant", "2.01"], ["-courant", "2.01", "2"]),
+    (["-scene", "mms1d", "-courant", "0"], ["-courant 0 ", "> 0"]),
+    (["-scene", "mms1d", "-courant", "nan"], ["-courant", "nan", "real"]),
+    (["-scene", "mms1d", "-courant", "-nan"], ["-courant", "-nan"]),
+    (["-scene", "mms1d", "-end_time", "inf"], ["-end_time", "inf", "real"]),
+    (["-scene", "mms1d", "-end_time", "-inf"], ["-end_time", "-inf"]),
+    (["-scene", "mms1d", "-end_time", "1e999"], ["-end_time", "1e999"]),
+    (["-scene", "column", "-height", "-50"], ["-height", "-50"]),
+    (["-scene", "mms1d", "-particle_output_times", "0.1,,0.2"], ["-particle_output_times"]),
+    (["-scene", "mms1d", "-basis_boundary", "mirrored"], ["-basis_boundary", "mirrored", "mirror"]),
+    (["-scene", "mms1d", "-progress", "yes"], ["-progress", "yes", "auto", "on", "off"]),
+    # duplicates
+    (["-scene", "mms1d", "-cells", "32", "-cells", "64"], ["-cells", "32", "64"]),
+    (["-options_file", "FILES/twice.opts"], ["-cells", "32", "64", "twice.opts:2", "twice.opts:4"]),
+    # files
+    (["-options_file", "FILES/none.opts"], ["-options_file", "none.opts", "does not exist"]),
+    (["-options_file", "FILES"], ["-options_file", "is a directory"]),
+    (["-options_file"], ["-options_file", "needs a value"]),
+    (["-options_file", "FILES/nested.opts"], ["-options_file", "plain.opts", "nested.opts:2"]),
+    (["-options_file", "FILES/binary.opts"], ["binary.opts", "not a text file"]),
+    (["-options_file", "FILES/prose.txt"], ["Dear", "prose.txt:1"]),
+    (["-options_file", "FILES/shared_line.opts"], ["-courant", "shared_line.opts:2"]),
+    (["-options_file", "FILES/plain.opts", "-cells", "1"], ["-cells 1 (command line)"]),
+    # results that cannot be written
+    (["-scene", "mms1d", "-output_dir", "FILES/plain.opts/out"], ["output_dir", "plain.opts/out"]),
+    (["-scene", "mms1d", "-output_dir", "FILES/plain.opts"], ["output_dir", "plain.opts"]),
+    (["-scene", "mms1d", "-output_dir", ""], ["-output_dir"]),
+    # sense that only a scene can see
+    (["-scene", "patch", "-placement", "gauss", "-particles_per_cell_direction", "4",
+      "-output_dir", "OUT/gauss"], ["4 particles", "1, 2 or 3"]),
+]
+FILES = {
+    "plain.opts": b"-scene mms1d\n-cells 32\n",
+    "twice.opts": b"-scene mms1d\n-cells 32\n# again\n-cells 64\n",
+    "nested.opts": b"-scene mms1d\n-options_file plain.opts\n",
+    "binary.opts": bytes(range(256)),
+    "prose.txt": b"Dear reader,\nthis is a letter.\n",
+    "shared_line.opts": b"-scene mms1d\n-cells 32 -courant 0.3\n",
+}
+# Fits on three ranks: 4 cells and 2 of air, 9 nodes, 3 of them for each rank.
+TOO_MANY_RANKS = (["-scene", "column", "-cells", "4", "-output_dir", "OUT/column"],
+                  ["4 ranks", "largest", "3"])
+
+
+class Driver:
+    def __init__(self, launcher, program, base):
+        self.launcher, self.program = os.path.abspath(launcher), os.path.abspath(program)
+        self.base = base
+        self.failed = 0
+        (base / "files").mkdir()
+        for name, content in FILES.items():
+            (base / "files" / name).write_bytes(content)
+
+    def run(self, ranks, arguments, environment=None):
+        places = {"FILES": str(self.base / "files"), "OUT": str(self.base / "out")}
+        for key, place in places.items():
+            arguments = [place + a[len(key):] if a.startswith(key) else a for a in arguments]
+        return subprocess.run([self.launcher, str(ranks), self.program, *arguments],
+                              cwd=self.base, timeout=SECONDS, text=True, check=False,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              env={**os.environ, **(environment or {})})
+
+    def check(self, ranks, arguments, holds):
+        """holds: list of (claim, bool); prints what does not hold."""
+        broken = [claim for claim, true in holds if not true]
+        self.failed += bool(broken)
+        print(f"{'FAIL' if broken else 'ok  '} {ranks} ranks: {' '.join(arguments)}")
+        for claim in broken:
+            print(f"     {claim}")
+
+    def refuse(self, ranks, arguments, words):
+        try:
+            result = self.run(ranks, arguments)
+        except subprocess.TimeoutExpired:
+            self.check(ranks, arguments, [("it hangs", False)])
+            return
+        _, _, message = result.stdout.partition(PREFIX)
+        message = message.partition("\n---")[0]  # what the launcher adds
+        holds = [(f"exit code {result.returncode}", result.returncode == EXIT_BAD_INPUT),
+                 ("not one message", result.stdout.count(PREFIX) == 1),
+                 ("PETSc complains too", "PETSC ERROR" not in result.stdout),
+                 ("it began to run", not (self.base / "out" / "mms1d" / "history.csv").exists())]
+        holds += [(f"'{word}' is not in the message", word in message) for word in words]
+        self.check(ranks, arguments, holds)
+        if not all(true for _, true in holds):
+            print(result.stdout)
+
+    def accept(self, ranks, arguments, environment, words, option=None):
+        """Runs to the end, prints the words, and has the option in used.opts."""
+        out = self.base / "accepted"
+        result = self.run(ranks, ["-scene", "mms1d", "-cells", "16", "-output_dir", str(out),
+                                  *arguments], environment)
+        used = [line.split()[:2] for line in
+                (out / "used.opts").read_text(encoding="utf-8").splitlines()]
+        holds = [(f"exit code {result.returncode}", result.returncode == 0),
+                 (f"used.opts has not {option}", not option or option in used)]
+        holds += [(f"'{word}' is not in the output", word in result.stdout) for word in words]
+        self.check(ranks, [*arguments, *environment.values()], holds)
+
+
+def main():
+    launcher, program, ranks = sys.argv[1:]
+    with tempfile.TemporaryDirectory() as directory:
+        driver = Driver(launcher, program, pathlib.Path(directory))
+        with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:
+            list(pool.map(lambda case: driver.refuse(int(ranks), *case), CASES))
+        if int(ranks) > 1:
+            driver.refuse(4, *TOO_MANY_RANKS)
+        driver.accept(ranks, [], {"PETSC_OPTIONS": "-courant 5"}, [], ["-courant", "0.2"])
+        driver.accept(ranks, ["-options_file", "files/plain.opts"], {}, [], ["-cells", "16"])
+        driver.accept(ranks, ["-log_view"], {}, ["PETSc Performance Summary"])
+        driver.accept(ranks, ["-cells", "16"], {}, [], ["-cells", "16"])
+    return 1 if driver.failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,93 @@
+"""The scenes with an exact answer, run by the program itself.
+
+usage: exact_scenes.py LAUNCHER PROGRAM RANKS
+
+Bounds are the targets of docs/verification.md, but for the column's mean error.
+"""
+
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROUND_OFF = 1e-12
+
+# Scene, its options, and the largest size of each answer.
+BOUNDS = [
+    ("patch", {"wall": "roller"}, {"residual_max": ROUND_OFF}),
+    ("patch", {"wall": "fixed", "particles_per_cell_direction": 3}, {"residual_max": ROUND_OFF}),
+    ("patch", {"grading": 1.2, "placement": "gauss"}, {"residual_max": ROUND_OFF}),
+    ("column", {}, {"error_stress_peak": 3e-3, "error_stress_mean": 3e-4}),
+    ("rotation", {}, {"error_stress_norm": ROUND_OFF, "error_volume_ratio": ROUND_OFF,
+                      "error_angle_rad": 5e-5}),
+    ("incline", {}, {"error_slide": 1e-3}),
+    ("mms1d", {"cells": 64}, {"error_displacement_rms": 3e-3}),
+]
+SMALLEST_ORDER = 1.9  # of mms1d, from 32 to 64 cells
+
+
+class Runs:
+    def __init__(self, launcher, program, ranks, base):
+        self.command = [launcher, ranks, program, "-progress", "off"]
+        self.ranks = int(ranks)
+        self.base = pathlib.Path(base)
+        self.count = 0
+
+    def summary(self, scene, options):
+        self.count += 1
+        directory = self.base / str(self.count)
+        command = self.command + ["-scene", scene, "-output_dir", str(directory)]
+        for name, value in options.items():
+            command += [f"-{name}", str(value)]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=120)
+        return json.loads((directory / "summary.json").read_text(encoding="utf-8"))
+
+
+class Checks:
+    failed = 0
+
+    def check(self, claim, holds, figure):
+        print(f"{'ok  ' if holds else 'FAIL'} {claim}: {figure:.3g}")
+        self.failed += not holds
+
+
+def check_bounds(runs, checks):
+    for scene, options, bounds in BOUNDS:
+        summary = runs.summary(scene, options)
+        title = " ".join([scene, *(f"-{name} {value}" for name, value in options.items())])
+        for answer, bound in bounds.items():
+            figure = abs(summary[answer])
+            checks.check(f"{title}: {answer} <= {bound:g}", figure <= bound, figure)
+        checks.check(f"{title}: ranks as asked", summary["ranks"] == runs.ranks, summary["ranks"])
+        checks.check(f"{title}: mass stays", abs(summary["mass_change_share"]) <= ROUND_OFF,
+                     summary["mass_change_share"])
+
+
+def check_order(runs, checks):
+    coarse, fine = (runs.summary("mms1d", {"cells": cells})["error_displacement_rms"]
+                    for cells in (32, 64))
+    order = math.log2(coarse / fine)
+    checks.check(f"mms1d: order >= {SMALLEST_ORDER}", order >= SMALLEST_ORDER, order)
+
+
+def check_open_knots(runs, checks):
+    """The known defect: its residual is there, and the mirrored splines are free of it."""
+    figure = runs.summary("patch", {"basis_boundary": "open_knot"})["residual_max"]
+    checks.check("patch -basis_boundary open_knot: residual_max >= 0.01", figure >= 0.01, figure)
+
+
+def main():
+    launcher, program, ranks = sys.argv[1:]
+    checks = Checks()
+    with tempfile.TemporaryDirectory() as base:
+        runs = Runs(launcher, program, ranks, base)
+        check_bounds(runs, checks)
+        check_order(runs, checks)
+        check_open_knots(runs, checks)
+    return 1 if checks.failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
