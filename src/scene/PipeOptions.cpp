@@ -109,6 +109,9 @@ void PipeOptions::declare_contact(options::OptionSet& options) {
 
 void PipeOptions::declare_geostatic(options::OptionSet& options) {
   options.section("Geostatic stage");
+  options.choice(
+      "geostatic", geostatic, {{"prescribed", Geostatic::prescribed}},
+      {"", "how the stress at rest comes about: prescribed and then relaxed", "docs/model.md"});
   options.real("geostatic_K0", K0, {.minimum = 0.05, .maximum = 5.0},
                {"1", "horizontal over vertical stress at the start", "chosen: 1 - sin 30 degrees"});
   options.real("gravity", gravity, options::positive(), {"m/s^2", "downward", ""});

@@ -13,6 +13,7 @@
 namespace mpm::scene {
 
 enum class Symmetry { automatic, half, full };
+enum class Geostatic { prescribed };
 
 /// Options of the pipe scene and what follows from them. The surface is at y = 0, the pipe's axis
 /// at x = 0, y = -H.
@@ -37,6 +38,7 @@ struct PipeOptions {
   double gap_cells = 0.6;
   std::optional<double> friction;
 
+  Geostatic geostatic = Geostatic::prescribed;
   double K0 = 0.5;
   double gravity = 9.81;  ///< m/s^2
   double damping = 0.7;
