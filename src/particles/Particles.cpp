@@ -334,7 +334,7 @@ void Particles<dim>::permute(std::span<const int> order) {
     for (std::size_t k = 0; k < order.size(); ++k)
       std::memcpy(copy.data() + k * bytes, columns[c] + static_cast<std::size_t>(order[k]) * bytes,
                   bytes);
-    std::memcpy(columns[c], copy.data(), copy.size());
+    std::ranges::copy(copy, columns[c]);
   }
   close_columns(columns);
 }
