@@ -3,20 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <numeric>
-#include <stdexcept>
-
-#include "mpm/core/Errors.hpp"
-#include "mpm/petsc/Error.hpp"
-#include "mpm/petsc/Session.hpp"
 
 namespace mpm::particles {
 namespace {
 
 constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
 constexpr std::array<const char*, 6> tensor_names{"xx", "yy", "zz", "xy", "yz", "xz"};
-constexpr PetscInt spare_particles = 1000;  // room for arrivals before the swarm reallocates
 
 }  // namespace
 
@@ -32,49 +25,31 @@ std::vector<std::string> column_names(const Field& field) {
 }
 
 template <int dim>
-ParticleView<dim>::ParticleView(DM swarm, std::span<const std::string> state_names)
-    : m_swarm(swarm) {
-  PetscInt local = 0;
-  MPM_PETSC(DMSwarmGetLocalSize(swarm, &local));
-  count = local;
-  for (int d = 0; d < dim; ++d) {
-    position[d] = static_cast<double*>(open(fmt::format("position_{}", axis_names[d])));
-    velocity[d] = static_cast<double*>(open(fmt::format("velocity_{}", axis_names[d])));
-    displacement[d] = static_cast<double*>(open(fmt::format("displacement_{}", axis_names[d])));
-  }
+ParticleView<dim>::ParticleView(const Swarm<dim>& swarm, std::span<const std::string> state_names)
+    : count(swarm.local_count()), m_columns(swarm.dm()) {
+  m_columns.open_vector("position", position);
+  m_columns.open_vector("velocity", velocity);
+  m_columns.open_vector("displacement", displacement);
   for (int k = 0; k < tensor_components<dim>; ++k)
-    stress[k] = static_cast<double*>(open(fmt::format("stress_{}", tensor_names[k])));
-  mass = static_cast<double*>(open("mass"));
-  volume = static_cast<double*>(open("volume"));
-  deviatoric_strain = static_cast<double*>(open("deviatoric_strain"));
-  id = static_cast<std::int64_t*>(open("DMSwarm_pid"));
-  material = static_cast<PetscInt*>(open("material"));
-  for (const std::string& name : state_names) state.push_back(static_cast<double*>(open(name)));
-}
-
-template <int dim>
-ParticleView<dim>::~ParticleView() {
-  for (auto& [name, data] : m_open)
-    DMSwarmRestoreField(m_swarm, name.c_str(), nullptr, nullptr, &data);
-}
-
-template <int dim>
-void* ParticleView<dim>::open(const std::string& name) {
-  void* data = nullptr;
-  MPM_PETSC(DMSwarmGetField(m_swarm, name.c_str(), nullptr, nullptr, &data));
-  m_open.emplace_back(name, data);
-  return data;
+    stress[k] = m_columns.reals(fmt::format("stress_{}", tensor_names[k]));
+  mass = m_columns.reals("mass");
+  volume = m_columns.reals("volume");
+  deviatoric_strain = m_columns.reals("deviatoric_strain");
+  id = static_cast<std::int64_t*>(m_columns.open("DMSwarm_pid"));
+  material = static_cast<PetscInt*>(m_columns.open("material"));
+  for (const std::string& name : state_names) state.push_back(m_columns.reals(name));
 }
 
 template <int dim>
 Particles<dim>::Particles(const grid::Grid<dim>& grid, Materials materials)
-    : m_grid(grid), m_materials(std::move(materials)), m_ranges(m_materials.size()) {
-  declare_fields();
-  register_fields();
-}
+    : m_grid(grid),
+      m_materials(std::move(materials)),
+      m_swarm(grid, "particle", declare_fields()),
+      m_ranges(m_materials.size()) {}
 
+/// Fills the lists of fields and states; returns the columns that hold them.
 template <int dim>
-void Particles<dim>::declare_fields() {
+std::vector<typename Swarm<dim>::Column> Particles<dim>::declare_fields() {
   using Shape = Field::Shape;
   m_fields = {{"position", "position", "m", Shape::vector},
               {"velocity", "velocity", "m/s", Shape::vector},
@@ -93,41 +68,12 @@ void Particles<dim>::declare_fields() {
       m_state_names.push_back(variable.name);
       m_fields.push_back({variable.name, variable.long_name, variable.unit, Shape::scalar});
     }
-}
-
-template <int dim>
-void Particles<dim>::register_column(const std::string& name, PetscDataType type) {
-  MPM_PETSC(DMSwarmRegisterPetscDatatypeField(m_swarm, name.c_str(), 1, type));
-  m_columns.push_back({name, type == PETSC_REAL ? sizeof(PetscReal) : sizeof(PetscInt)});
-}
-
-template <int dim>
-void Particles<dim>::register_fields() {
-  MPM_PETSC(DMCreate(PETSC_COMM_WORLD, m_swarm.address()));
-  MPM_PETSC(DMSetType(m_swarm, DMSWARM));
-  MPM_PETSC(DMSetDimension(m_swarm, dim));
-  MPM_PETSC(DMSwarmSetType(m_swarm, DMSWARM_BASIC));
-  MPM_PETSC(DMSwarmInitializeFieldRegister(m_swarm));
+  using Type = typename Swarm<dim>::Type;
+  std::vector<typename Swarm<dim>::Column> columns;
   for (const Field& field : m_fields)
-    for (const std::string& name : column_names<dim>(field)) register_column(name, PETSC_REAL);
-  register_column("material", PETSC_INT);
-  MPM_PETSC(DMSwarmFinalizeFieldRegister(m_swarm));
-  m_columns.push_back({"DMSwarm_pid", sizeof(std::int64_t)});  // registered by the swarm itself
-  MPM_PETSC(DMSwarmSetLocalSizes(m_swarm, 0, spare_particles));
-}
-
-template <int dim>
-int Particles<dim>::local_count() const {
-  PetscInt local = 0;
-  MPM_PETSC(DMSwarmGetLocalSize(m_swarm, &local));
-  return local;
-}
-
-template <int dim>
-std::size_t Particles<dim>::bytes_per_particle() const {
-  std::size_t bytes = 0;
-  for (const Column& column : m_columns) bytes += column.bytes;
-  return bytes;
+    for (const std::string& name : column_names<dim>(field)) columns.push_back({name, Type::real});
+  columns.push_back({"material", Type::integer});
+  return columns;
 }
 
 template <int dim>
@@ -152,138 +98,28 @@ void Particles<dim>::fill(const Seed<dim>& seed, const ParticleView<dim>& view, 
 
 template <int dim>
 void Particles<dim>::add(std::span<const Seed<dim>> seeds) {
-  const int before = local_count();
-  const auto arriving = static_cast<PetscInt>(seeds.size());
-  MPM_PETSC(DMSwarmSetLocalSizes(m_swarm, before + arriving, spare_particles));
+  const int first = m_swarm.grow(static_cast<int>(seeds.size()));
   {
     const ParticleView<dim> particles = view();
     for (std::size_t k = 0; k < seeds.size(); ++k)
-      fill(seeds[k], particles, before + static_cast<int>(k));
+      fill(seeds[k], particles, first + static_cast<int>(k));
   }
-  m_global_count += petsc::sum(static_cast<long long>(seeds.size()));
   sort();
-}
-
-template <int dim>
-std::vector<std::byte*> Particles<dim>::open_columns() const {
-  std::vector<std::byte*> columns;
-  for (const Column& column : m_columns) {
-    void* data = nullptr;
-    MPM_PETSC(DMSwarmGetField(m_swarm, column.name.c_str(), nullptr, nullptr, &data));
-    columns.push_back(static_cast<std::byte*>(data));
-  }
-  return columns;
-}
-
-template <int dim>
-void Particles<dim>::close_columns(std::vector<std::byte*>& columns) const {
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    void* data = columns[c];
-    MPM_PETSC(DMSwarmRestoreField(m_swarm, m_columns[c].name.c_str(), nullptr, nullptr, &data));
-  }
-}
-
-/// The owner of every particle's cell; -1 for one outside the grid.
-template <int dim>
-std::vector<int> Particles<dim>::destinations() const {
-  const ParticleView<dim> particles = view();
-  std::vector<int> destination(static_cast<std::size_t>(particles.count));
-  for (int p = 0; p < particles.count; ++p) {
-    const auto cell = m_grid.cell_of(particles.position_of(p));
-    destination[static_cast<std::size_t>(p)] =
-        m_grid.all_cells().contains(cell) ? m_grid.rank_of_cell(cell) : -1;
-  }
-  return destination;
-}
-
-template <int dim>
-std::vector<std::byte> Particles<dim>::pack(std::span<const int> leaving) const {
-  std::vector<std::byte> data(leaving.size() * bytes_per_particle());
-  std::vector<std::byte*> columns = open_columns();
-  std::byte* out = data.data();
-  for (int p : leaving)
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      std::memcpy(out, columns[c] + static_cast<std::size_t>(p) * m_columns[c].bytes,
-                  m_columns[c].bytes);
-      out += m_columns[c].bytes;
-    }
-  close_columns(columns);
-  return data;
-}
-
-template <int dim>
-void Particles<dim>::unpack(std::span<const std::byte> data, int first) {
-  std::vector<std::byte*> columns = open_columns();
-  const std::byte* in = data.data();
-  const std::size_t arriving = data.size() / bytes_per_particle();
-  for (std::size_t k = 0; k < arriving; ++k)
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      const std::size_t p = static_cast<std::size_t>(first) + k;
-      std::memcpy(columns[c] + p * m_columns[c].bytes, in, m_columns[c].bytes);
-      in += m_columns[c].bytes;
-    }
-  close_columns(columns);
-}
-
-/// Closes the gaps that leaving particles make. `leaving` is ascending.
-template <int dim>
-void Particles<dim>::remove(std::span<const int> leaving) {
-  std::vector<bool> stays(static_cast<std::size_t>(local_count()), true);
-  for (int p : leaving) stays[static_cast<std::size_t>(p)] = false;
-  std::vector<int> order;
-  for (std::size_t p = 0; p < stays.size(); ++p)
-    if (stays[p]) order.push_back(static_cast<int>(p));
-  permute(order);
-  MPM_PETSC(DMSwarmSetLocalSizes(m_swarm, static_cast<PetscInt>(order.size()), spare_particles));
 }
 
 template <int dim>
 void Particles<dim>::migrate() {
-  const std::vector<int> destination = destinations();
-  const long long outside = std::count(destination.begin(), destination.end(), -1);
-  if (petsc::sum(outside) > 0) throw NumericalFailure("a particle left the grid");
-
-  const int here = petsc::world_rank();
-  std::vector<int> leaving;
-  for (int p = 0; p < static_cast<int>(destination.size()); ++p)
-    if (destination[static_cast<std::size_t>(p)] != here) leaving.push_back(p);
-  const std::vector<std::byte> incoming = exchange(leaving, destination);
-
-  remove(leaving);
-  const int staying = local_count();
-  const int arriving = static_cast<int>(incoming.size() / bytes_per_particle());
-  MPM_PETSC(DMSwarmSetLocalSizes(m_swarm, staying + arriving, spare_particles));
-  unpack(incoming, staying);
-  const long long count = petsc::sum(static_cast<long long>(staying + arriving));
-  if (count != m_global_count)
-    throw NumericalFailure(
-        fmt::format("{} particles before migration, {} after it", m_global_count, count));
+  m_swarm.migrate(cells());
   sort();
 }
 
-/// Sends the leaving particles to their destinations; returns those that arrive here.
 template <int dim>
-std::vector<std::byte> Particles<dim>::exchange(std::span<const int> leaving,
-                                                std::span<const int> destination) const {
-  std::vector<int> by_rank(leaving.begin(), leaving.end());
-  std::stable_sort(by_rank.begin(), by_rank.end(), [&](int p, int q) {
-    return destination[static_cast<std::size_t>(p)] < destination[static_cast<std::size_t>(q)];
-  });
-  const auto bytes = static_cast<int>(bytes_per_particle());
-  std::vector<int> send_count(static_cast<std::size_t>(petsc::world_size()), 0);
-  std::vector<int> receive_count = send_count, send_start = send_count, receive_start = send_count;
-  for (int p : by_rank)
-    send_count[static_cast<std::size_t>(destination[static_cast<std::size_t>(p)])] += bytes;
-  MPI_Alltoall(send_count.data(), 1, MPI_INT, receive_count.data(), 1, MPI_INT, PETSC_COMM_WORLD);
-  std::exclusive_scan(send_count.begin(), send_count.end(), send_start.begin(), 0);
-  std::exclusive_scan(receive_count.begin(), receive_count.end(), receive_start.begin(), 0);
-
-  const std::vector<std::byte> outgoing = pack(by_rank);
-  std::vector<std::byte> incoming(
-      static_cast<std::size_t>(receive_start.back() + receive_count.back()));
-  MPI_Alltoallv(outgoing.data(), send_count.data(), send_start.data(), MPI_BYTE, incoming.data(),
-                receive_count.data(), receive_start.data(), MPI_BYTE, PETSC_COMM_WORLD);
-  return incoming;
+std::vector<std::array<int, dim>> Particles<dim>::cells() const {
+  const ParticleView<dim> particles = view();
+  std::vector<std::array<int, dim>> cells;
+  for (int p = 0; p < particles.count; ++p)
+    cells.push_back(m_grid.cell_of(particles.position_of(p)));
+  return cells;
 }
 
 /// Material-major, then row-major cell within this rank's reachable cells.
@@ -316,27 +152,11 @@ void Particles<dim>::sort() {
       order[static_cast<std::size_t>(next[static_cast<std::size_t>(keys[p])]++)] =
           static_cast<int>(p);
   }
-  permute(order);
+  m_swarm.permute(order);
   for (int k = 0; k < materials; ++k)
     m_ranges[static_cast<std::size_t>(k)] = {
         first[static_cast<std::size_t>(k * keys_per_material)],
         first[static_cast<std::size_t>((k + 1) * keys_per_material)]};
-}
-
-/// Moves particle order[k] to place k in every column; places beyond order.size() are left over.
-template <int dim>
-void Particles<dim>::permute(std::span<const int> order) {
-  std::vector<std::byte*> columns = open_columns();
-  std::vector<std::byte> copy;
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    const std::size_t bytes = m_columns[c].bytes;
-    copy.resize(order.size() * bytes);
-    for (std::size_t k = 0; k < order.size(); ++k)
-      std::memcpy(copy.data() + k * bytes, columns[c] + static_cast<std::size_t>(order[k]) * bytes,
-                  bytes);
-    std::ranges::copy(copy, columns[c]);
-  }
-  close_columns(columns);
 }
 
 template <int dim>

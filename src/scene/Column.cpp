@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mpm/core/Errors.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/material/LinearElastic.hpp"
 #include "mpm/petsc/Session.hpp"
-#include "mpm/scene/RunLoop.hpp"
 #include "mpm/scene/Scene.hpp"
+#include "mpm/scene/Settling.hpp"
 
 namespace mpm::scene {
 namespace {
@@ -40,25 +39,23 @@ class Column : public Scene {
   void run(io::Summary& summary) override {
     const std::shared_ptr<const material::Material> law = m_material.create();
     solver::Simulation<1> simulation(setup(law));
-    simulation.set_damping(m_damping);
     RunLoop<1> loop(m_run, simulation);
     io::CsvFile history(m_run.output_dir + "/history.csv",
                         {"time_s", "out_of_balance", "kinetic_energy_J", "dt_s", "step"});
-    const auto every = m_run.history_every > 0 ? m_run.history_every : 100;
+    const auto row = [&](double unbalanced) {
+      const auto& state = simulation.state();
+      history.row({state.time, unbalanced, simulation.kinetic_energy(), state.dt_old,
+                   static_cast<double>(state.step)});
+    };
     double unbalanced = 1.0;
-    loop.run(
-        {.name = "settling",
-         .share_done = [&] { return std::min(1.0, std::log(unbalanced) / std::log(m_tolerance)); },
-         .after_step =
-             [&] {
-               const auto& state = simulation.state();
-               if (state.step % every != 0) return;
-               unbalanced = simulation.out_of_balance();
-               history.row({state.time, unbalanced, simulation.kinetic_energy(), state.dt_old,
-                            static_cast<double>(state.step)});
-               if (state.step > 10'000'000)
-                 throw NumericalFailure("the column does not come to rest within 1e7 steps");
-             }});
+    settle(simulation, loop,
+           {.name = "settling",
+            .damping = m_damping,
+            .tolerance = m_tolerance,
+            .longest = 10'000'000,
+            .check_every = m_run.history_every > 0 ? m_run.history_every : 100,
+            .after_check = row},
+           unbalanced);
     loop.write_fields();
     loop.summarise(summary);
     report_errors(simulation, *law, summary);
@@ -75,14 +72,13 @@ class Column : public Scene {
     const auto cells = static_cast<int>(m_cells);
     solver::SimulationSetup<1> setup{
         .lines = {basis::KnotLines::uniform(0.0, m_height * (cells + 2) / cells, cells + 2)}};
-    setup.ends = m_run.ends;
+    m_run.apply_to(setup);
     setup.walls = {{{grid::Wall::fixed, grid::Wall::free}}};
     setup.materials = {std::move(law)};
     setup.filling = {
         [this](const Vector<1>& y) { return y[0] < m_height ? std::optional(0) : std::nullopt; },
         [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
     setup.gravity = {-m_gravity};
-    setup.courant = m_run.courant;
     return setup;
   }
 

@@ -4,11 +4,10 @@
 #include <numbers>
 
 #include "mpm/contact/RigidContact.hpp"
-#include "mpm/core/Errors.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/material/LinearElastic.hpp"
-#include "mpm/scene/RunLoop.hpp"
 #include "mpm/scene/Scene.hpp"
+#include "mpm/scene/Settling.hpp"
 
 namespace mpm::scene {
 namespace {
@@ -51,7 +50,7 @@ class Incline : public Scene {
                                 .reference_density = m_material.parameters().density});
     simulation.add_condition(contact);
     RunLoop<2> loop(m_run, simulation);
-    settle(simulation, loop);
+    rest_on_level_plane(simulation, loop);
     slide(simulation, loop, summary);
     loop.write_fields();
     loop.summarise(summary);
@@ -73,20 +72,13 @@ class Incline : public Scene {
   }
 
   /// Lets the block come to rest before the plane is tilted, so that it does not bounce.
-  void settle(solver::Simulation<2>& simulation, RunLoop<2>& loop) const {
+  void rest_on_level_plane(solver::Simulation<2>& simulation, RunLoop<2>& loop) const {
     const Vector<2> inclined = simulation.gravity();
     simulation.set_gravity({0.0, inclined[1]});
-    simulation.set_damping(0.3);
     double unbalanced = 1.0;
-    loop.run({.name = "settling",
-              .share_done = [&] { return std::log(unbalanced) / std::log(1e-4); },
-              .after_step =
-                  [&] {
-                    if (simulation.state().step % 50 == 0) unbalanced = simulation.out_of_balance();
-                    if (simulation.state().step > 1'000'000)
-                      throw NumericalFailure("the block does not come to rest in 1e6 steps");
-                  }});
-    simulation.set_damping(0.0);
+    settle(simulation, loop,
+           {.name = "settling", .damping = 0.3, .tolerance = 1e-4, .longest = 1'000'000},
+           unbalanced);
     simulation.set_gravity(inclined);
     simulation.start_from_rest();
   }
@@ -121,7 +113,7 @@ class Incline : public Scene {
     solver::SimulationSetup<2> setup{
         .lines = {basis::KnotLines::uniform(0.0, cells_x * cell(), cells_x),
                   basis::KnotLines::uniform(0.0, cells_y * cell(), cells_y)}};
-    setup.ends = m_run.ends;
+    m_run.apply_to(setup);
     setup.walls = {{{grid::Wall::free, grid::Wall::free}, {grid::Wall::free, grid::Wall::free}}};
     setup.materials = {m_material.create()};
     const double left = 4 * cell();
@@ -133,7 +125,6 @@ class Incline : public Scene {
         },
         [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
     setup.gravity = {m_gravity * std::sin(radians()), -m_gravity * std::cos(radians())};
-    setup.courant = m_run.courant;
     return setup;
   }
 

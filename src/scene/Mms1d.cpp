@@ -86,14 +86,13 @@ class Mms1d : public Scene {
   solver::SimulationSetup<1> setup() const {
     solver::SimulationSetup<1> setup{
         .lines = {basis::KnotLines::uniform(0.0, 1.0, static_cast<int>(m_cells))}};
-    setup.ends = m_run.ends;
+    m_run.apply_to(setup);
     setup.walls = {{{grid::Wall::fixed, grid::Wall::fixed}}};
     setup.materials = {std::make_shared<material::NeoHookean>(material::NeoHookeanParameters{
         .youngs_modulus = youngs_modulus, .poisson_ratio = 0.0, .density = 1.0})};
     setup.filling = {
         [](const auto&) { return 0; },
         [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
-    setup.courant = m_run.courant;
     return setup;
   }
 

@@ -67,7 +67,7 @@ class Patch : public Scene {
   solver::SimulationSetup<2> setup() const {
     const grid::Wall wall = m_wall == PatchWall::fixed ? grid::Wall::fixed : grid::Wall::roller;
     solver::SimulationSetup<2> setup{.lines = {lines(), lines()}};
-    setup.ends = m_run.ends;
+    m_run.apply_to(setup);
     setup.walls = {{{wall, wall}, {wall, wall}}};
     setup.materials = {std::make_shared<material::LinearElastic>(
         material::LinearElasticParameters{.youngs_modulus = 3e6, .density = 1700.0})};
@@ -75,7 +75,6 @@ class Patch : public Scene {
         [](const auto&) { return 0; },
         [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); },
         m_placement};
-    setup.courant = m_run.courant;
     return setup;
   }
 

@@ -12,18 +12,17 @@
 #include "mpm/petsc/Session.hpp"
 #include "mpm/scene/GeostaticState.hpp"
 #include "mpm/scene/PipeOptions.hpp"
-#include "mpm/scene/RunLoop.hpp"
 #include "mpm/scene/Scene.hpp"
+#include "mpm/scene/Settling.hpp"
 
 namespace mpm::scene {
 namespace {
 
-constexpr double row_spacing = 0.0025;       // u/D between rows of history.csv
-constexpr double field_spacing = 0.1;        // u/D between outputs of particles and grid
-constexpr double early_field = 0.06;         // u/D, where the wedge under the pipe has formed
-constexpr long long check_every = 50;        // steps, of the geostatic residual
-constexpr long long longest_rest = 200'000;  // steps, of the geostatic stage
-constexpr double d50 = 0.4e-3;               // m, Stockton Beach sand
+constexpr double row_spacing = 0.0025;  // u/D between rows of history.csv
+constexpr double field_spacing = 0.1;   // u/D between outputs of particles and grid
+constexpr double early_field = 0.06;    // u/D, where the wedge under the pipe has formed
+constexpr long long check_every = 50;   // steps, of the geostatic residual
+constexpr double d50 = 0.4e-3;          // m, Stockton Beach sand
 
 /// One line of the resistance curve: means since the line before.
 struct Row {
@@ -102,26 +101,18 @@ std::shared_ptr<contact::RigidContact<2>> PipeRun::make_contact() {
 
 /// The soil comes to rest around the pipe, which holds still. False if the run ends before.
 bool PipeRun::rest() {
-  m_simulation.set_damping(m_options.damping);
+  const auto measure_reaction = [this](double) {
+    const double seconds = m_simulation.state().dt_old * check_every;
+    m_reaction_at_rest = whole(petsc::sum(m_contact->take_impulse()[1])) / seconds;
+  };
   double unbalanced = 1.0;
-  const double tolerance = m_options.geostatic_tolerance;
-  const bool goes_on = m_loop.run(
-      {.name = "geostatic",
-       .share_done = [&] { return std::log(unbalanced) / std::log(tolerance); },
-       .after_step =
-           [&] {
-             const solver::RunState& state = m_simulation.state();
-             if (state.steps_in_stage % check_every != 0) return;
-             unbalanced = std::min(1.0, m_simulation.out_of_balance());
-             const double dt = m_simulation.state().dt_old * check_every;
-             m_reaction_at_rest = whole(petsc::sum(m_contact->take_impulse()[1])) / dt;
-             if (state.steps_in_stage >= longest_rest)
-               throw NumericalFailure(fmt::format(
-                   "the soil does not come to rest: out of balance {:.3g} after {} steps, "
-                   "-geostatic_tolerance {}",
-                   unbalanced, longest_rest, tolerance));
-           },
-       .status = [&] { return fmt::format("out of balance {:.2e}", unbalanced); }});
+  const bool goes_on = settle(m_simulation, m_loop,
+                              {.name = "geostatic",
+                               .damping = m_options.damping,
+                               .tolerance = m_options.geostatic_tolerance,
+                               .check_every = check_every,
+                               .after_check = measure_reaction},
+                              unbalanced);
   m_summary.set("geostatic_out_of_balance", unbalanced);
   m_summary.set("geostatic_steps", m_simulation.state().step);
   if (goes_on) check_rest();
@@ -208,7 +199,6 @@ std::vector<std::pair<std::string, double>> PipeRun::output_numbers() const {
 }
 
 void PipeRun::push() {
-  m_simulation.set_damping(0.0);
   m_simulation.start_from_rest();
   m_contact->take_impulse();
   m_simulation.state().time = 0.0;

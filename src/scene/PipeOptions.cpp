@@ -187,13 +187,12 @@ solver::SimulationSetup<2> PipeOptions::setup() const {
                     cells_per_diameter, width, height));
   using grid::Wall;
   solver::SimulationSetup<2> setup{.lines = {horizontal_lines(), vertical_lines()}};
-  setup.ends = run.ends;
+  run.apply_to(setup);
   setup.walls = {
       {{is_half() ? Wall::symmetry : Wall::roller, Wall::roller}, {Wall::fixed, Wall::free}}};
   setup.materials = {sand.create()};
   setup.filling = filling(!setup.lines[0].is_uniform() || !setup.lines[1].is_uniform());
   setup.gravity = {0.0, -gravity};
-  setup.courant = run.courant;
   return setup;
 }
 

@@ -78,7 +78,7 @@ class Rotation : public Scene {
     const auto line =
         basis::KnotLines::uniform(-2.0 * radius, 2.0 * radius, 2 * static_cast<int>(m_cells));
     solver::SimulationSetup<2> setup{.lines = {line, line}};
-    setup.ends = m_run.ends;
+    m_run.apply_to(setup);
     setup.walls = {{{grid::Wall::free, grid::Wall::free}, {grid::Wall::free, grid::Wall::free}}};
     setup.materials = {std::make_shared<material::LinearElastic>(
         material::LinearElasticParameters{.youngs_modulus = 1.0, .density = 1300.0})};
@@ -87,7 +87,6 @@ class Rotation : public Scene {
           return std::hypot(x[0], x[1]) < radius ? std::optional(0) : std::nullopt;
         },
         [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
-    setup.courant = m_run.courant;
     return setup;
   }
 

@@ -6,8 +6,9 @@ void RunOptions::declare(options::OptionSet& options) {
   options.section("Run");
   options.text("output_dir", output_dir,
                {"", "directory of all results, made if missing", "chosen"});
-  options.choice("basis", m_basis, {{"cubic", OnlyOne::house}},
-                 {"", "shape functions on the grid", "paper, section 2.2"});
+  options.choice(
+      "basis", basis, basis::kinds(),
+      {"", "B-splines on the grid, linear ones are those of standard MPM", "paper, section 2.2"});
   options.choice(
       "basis_boundary", ends,
       {{"mirror", basis::EndTreatment::mirror}, {"open_knot", basis::EndTreatment::open_knot}},

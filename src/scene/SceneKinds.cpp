@@ -11,6 +11,7 @@ std::unique_ptr<Scene> make_mms1d();
 std::unique_ptr<Scene> make_column();
 std::unique_ptr<Scene> make_rotation();
 std::unique_ptr<Scene> make_incline();
+std::unique_ptr<Scene> make_traction();
 
 namespace {
 
@@ -24,6 +25,7 @@ constexpr std::array kinds{
     SceneKind{"rotation", "rigid turn of a stressed disc by prescribed nodal velocities",
               &make_rotation},
     SceneKind{"incline", "elastic block sliding on a rigid incline with friction", &make_incline},
+    SceneKind{"traction", "elastic bar pulled at its end", &make_traction},
 };
 
 }  // namespace

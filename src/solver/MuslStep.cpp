@@ -3,7 +3,9 @@
 #include <limits>
 #include <utility>
 
+#include "mpm/basis/Bases.hpp"
 #include "mpm/solver/Step.hpp"
+#include "mpm/transfer/SurfaceLoad.hpp"
 
 namespace mpm::solver {
 namespace {
@@ -17,11 +19,13 @@ double sign(double value) {
 template <int dim, class Basis>
 MuslStep<dim, Basis>::MuslStep(const grid::Grid<dim>& grid, std::array<Basis, dim> bases,
                                const grid::Walls<dim>& walls, particles::Particles<dim>& particles,
+                               particles::BoundaryParticles<dim>& boundary,
                                const Conditions<dim>& conditions)
     : m_grid(grid),
       m_bases(std::move(bases)),
       m_walls(walls),
       m_particles(particles),
+      m_boundary(boundary),
       m_conditions(conditions),
       m_point_deposit(grid, m_bases),
       m_sums(grid, transfer::MassMomentumForce<dim>::components()),
@@ -39,6 +43,9 @@ StepReport MuslStep<dim, Basis>::advance(const RunState& state, const StepOption
   m_sums.set_to_zero();
   transfer::deposit_mass_momentum_force<dim, Basis>(particles, stencil, options.body_force,
                                                     sums);  // (1)-(5)
+  if (!m_boundary.is_empty())
+    transfer::deposit_surface_load<dim, Basis>(m_boundary.view(), stencil,
+                                               sums);  // second sum of (4)
   m_sums.sum_to_owners();
   update_momentum(state, options.damping);  // (6)
   m_rates.copy_to_ghosts();
@@ -54,7 +61,12 @@ StepReport MuslStep<dim, Basis>::advance(const RunState& state, const StepOption
       particles, stencil, state.dt, rates, remapped, m_grid, m_increments);  // (8)
   transfer::rotate_and_expand(particles, m_increments);
   const int broken = update_stress(particles);
-  return {drift.must_migrate, drift.lost >= 0 ? drift.lost : broken};
+  StepReport report{drift.must_migrate, drift.lost >= 0 ? drift.lost : broken};
+  if (!m_boundary.is_empty())
+    report.must_migrate |= transfer::move_surface<dim, Basis>(m_boundary.view(), m_grid, stencil,
+                                                              state.dt, rates, remapped)
+                               .must_migrate;
+  return report;
 }
 
 /// p_I += f_I dt (Eq. 6) with walls, rigid bodies and damping; then v_I = p_I/m_I, a_I = f_I/m_I.
@@ -173,8 +185,10 @@ double MuslStep<dim, Basis>::smallest_transit_time() const {
   return smallest;
 }
 
-template class MuslStep<1, basis::BSpline<3>>;
-template class MuslStep<2, basis::BSpline<3>>;
-template class MuslStep<3, basis::BSpline<3>>;
+#define MPM_INSTANTIATE_FOR_BASIS(name, Basis) \
+  template class MuslStep<1, basis::Basis>;    \
+  template class MuslStep<2, basis::Basis>;    \
+  template class MuslStep<3, basis::Basis>;
+MPM_BASES(MPM_INSTANTIATE_FOR_BASIS)
 
 }  // namespace mpm::solver

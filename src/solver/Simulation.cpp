@@ -13,27 +13,27 @@
 namespace mpm::solver {
 namespace {
 
-using Spline = basis::BSpline<3>;
-
 constexpr int steps_between_renewals = 10;  // of dt
 constexpr int steps_between_sorts = 500;    // particles lose their order slowly
 constexpr double largest_growth_of_dt = 1.05;
 constexpr double no_limit = std::numeric_limits<double>::max();
 
-template <int dim, std::size_t... d>
-std::array<Spline, dim> splines(const SimulationSetup<dim>& setup, std::index_sequence<d...>) {
-  return {Spline(setup.lines[d], setup.ends)...};
+template <int dim, class Basis>
+std::array<Basis, dim> bases(const SimulationSetup<dim>& setup) {
+  return [&]<std::size_t... d>(std::index_sequence<d...>) {
+    return std::array<Basis, dim>{Basis(setup.lines[d], setup.ends)...};
+  }
+  (std::make_index_sequence<static_cast<std::size_t>(dim)>{});
 }
 
 template <int dim>
-std::array<Spline, dim> splines(const SimulationSetup<dim>& setup) {
-  return splines(setup, std::make_index_sequence<static_cast<std::size_t>(dim)>{});
-}
-
-template <int dim, std::size_t... d>
-std::array<basis::NodeLine, dim> node_lines(const std::array<Spline, dim>& splines,
-                                            std::index_sequence<d...>) {
-  return {splines[d].nodes()...};
+std::array<basis::NodeLine, dim> node_lines(const SimulationSetup<dim>& setup) {
+  return basis::with_basis(setup.basis, [&]<class Basis>() {
+    return [&]<std::size_t... d>(std::index_sequence<d...>) {
+      return std::array<basis::NodeLine, dim>{Basis(setup.lines[d], setup.ends).nodes()...};
+    }
+    (std::make_index_sequence<static_cast<std::size_t>(dim)>{});
+  });
 }
 
 template <int dim>
@@ -48,18 +48,25 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
     : m_grid(make_grid(setup)),
       m_walls(setup.walls),
       m_particles(std::make_unique<particles::Particles<dim>>(*m_grid, setup.materials)),
+      m_boundary(std::make_unique<particles::BoundaryParticles<dim>>(*m_grid)),
+      m_step(make_step(setup)),
       m_courant(setup.courant),
       m_dt_limit(no_limit) {
   m_options.body_force.uniform = setup.gravity;
-  m_step = std::make_unique<MuslStep<dim, Spline>>(*m_grid, splines(setup), m_walls, *m_particles,
-                                                   m_conditions);
   seed(setup);
 }
 
 template <int dim>
+std::unique_ptr<Step<dim>> Simulation<dim>::make_step(const SimulationSetup<dim>& setup) {
+  return basis::with_basis(setup.basis, [&]<class Basis>() -> std::unique_ptr<Step<dim>> {
+    return std::make_unique<MuslStep<dim, Basis>>(*m_grid, bases<dim, Basis>(setup), m_walls,
+                                                  *m_particles, *m_boundary, m_conditions);
+  });
+}
+
+template <int dim>
 std::unique_ptr<grid::Grid<dim>> Simulation<dim>::make_grid(const SimulationSetup<dim>& setup) {
-  const auto nodes =
-      node_lines<dim>(splines(setup), std::make_index_sequence<static_cast<std::size_t>(dim)>{});
+  const std::array<basis::NodeLine, dim> nodes = node_lines(setup);
   partition::LayoutRequest<dim> request;
   for (int d = 0; d < dim; ++d) {
     request.nodes[d] = nodes[d].count();
@@ -161,6 +168,7 @@ void Simulation<dim>::agree(const StepReport& report) {
   }
   if (all == migration) {
     m_particles->migrate();
+    if (!m_boundary->is_empty()) m_boundary->migrate();
     m_state.steps_since_sort = 0;
   } else if (++m_state.steps_since_sort >= steps_between_sorts) {
     m_particles->sort();
@@ -196,10 +204,15 @@ std::string Simulation<dim>::describe(int p) const {
 }
 
 template <int dim>
+double Simulation<dim>::unbalanced_force() const {
+  return petsc::sum(m_step->unbalanced_force());
+}
+
+template <int dim>
 double Simulation<dim>::out_of_balance() const {
   double g = 0.0;
   for (double component : m_options.body_force.uniform) g += component * component;
-  return petsc::sum(m_step->unbalanced_force()) / (total_mass() * std::sqrt(g));
+  return unbalanced_force() / (total_mass() * std::sqrt(g));
 }
 
 template <int dim>

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "mpm/basis/Bases.hpp"
+
 namespace mpm::transfer {
 namespace {
 
@@ -221,7 +223,7 @@ void rotate_and_expand(const particles::ParticleView<dim>& particles,
   }
 }
 
-#define MPM_INSTANTIATE_FOR_BASIS(dim, Basis)                                            \
+#define MPM_INSTANTIATE_SWEEPS(dim, Basis)                                               \
   template void deposit_mass_momentum_force<dim, Basis>(                                 \
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, const BodyForce<dim>&,   \
       const MassMomentumForce<dim>&);                                                    \
@@ -232,15 +234,19 @@ void rotate_and_expand(const particles::ParticleView<dim>& particles,
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, double,                  \
       const VelocityAcceleration<dim>&, const NodalVector<dim>&, const grid::Grid<dim>&, \
       Increments&);
-#define MPM_INSTANTIATE_FOR_DIMENSION(dim)                                                      \
-  template struct MassMomentumForce<dim>;                                                       \
-  template struct VelocityAcceleration<dim>;                                                    \
-  template struct NodalVector<dim>;                                                             \
-  template void rotate_and_expand<dim>(const particles::ParticleView<dim>&, const Increments&); \
-  MPM_INSTANTIATE_FOR_BASIS(dim, basis::BSpline<3>)
+#define MPM_INSTANTIATE_FOR_DIMENSION(dim)   \
+  template struct MassMomentumForce<dim>;    \
+  template struct VelocityAcceleration<dim>; \
+  template struct NodalVector<dim>;          \
+  template void rotate_and_expand<dim>(const particles::ParticleView<dim>&, const Increments&);
 
 MPM_INSTANTIATE_FOR_DIMENSION(1)
 MPM_INSTANTIATE_FOR_DIMENSION(2)
 MPM_INSTANTIATE_FOR_DIMENSION(3)
+#define MPM_INSTANTIATE_FOR_BASIS(name, Basis) \
+  MPM_INSTANTIATE_SWEEPS(1, basis::Basis)      \
+  MPM_INSTANTIATE_SWEEPS(2, basis::Basis)      \
+  MPM_INSTANTIATE_SWEEPS(3, basis::Basis)
+MPM_BASES(MPM_INSTANTIATE_FOR_BASIS)
 
 }  // namespace mpm::transfer

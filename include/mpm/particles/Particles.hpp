@@ -1,7 +1,5 @@
 #pragma once
 
-#include <petscdmswarm.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -11,7 +9,7 @@
 
 #include "mpm/grid/Grid.hpp"
 #include "mpm/material/Material.hpp"
-#include "mpm/petsc/Handle.hpp"
+#include "mpm/particles/Swarm.hpp"
 
 namespace mpm::particles {
 
@@ -41,10 +39,7 @@ struct Seed {
 template <int dim>
 class ParticleView {
  public:
-  explicit ParticleView(DM swarm, std::span<const std::string> state_names);
-  ~ParticleView();
-  ParticleView(const ParticleView&) = delete;
-  ParticleView& operator=(const ParticleView&) = delete;
+  ParticleView(const Swarm<dim>& swarm, std::span<const std::string> state_names);
 
   int count = 0;
   std::array<double*, dim> position, velocity, displacement;
@@ -66,10 +61,8 @@ class ParticleView {
     for (int d = 0; d < dim; ++d) value[d] = field[d][p];
     return value;
   }
-  void* open(const std::string& name);
 
-  DM m_swarm;
-  std::vector<std::pair<std::string, void*>> m_open;
+  OpenColumns m_columns;
 };
 
 /// The material points: a DMSwarm (BASIC) with one field per scalar component, kept in the order
@@ -101,34 +94,19 @@ class Particles {
   /// Views of one material's stress and state; the strain increments are left to the caller.
   material::Batch batch_of(const ParticleView<dim>& view, int material) const;
 
-  int local_count() const;
-  long long global_count() const { return m_global_count; }
+  int local_count() const { return m_swarm.local_count(); }
+  long long global_count() const { return m_swarm.global_count(); }
   const Materials& materials() const { return m_materials; }
   const std::vector<std::string>& state_names() const { return m_state_names; }
   /// All fields that are written out, in order.
   const std::vector<Field>& fields() const { return m_fields; }
   /// Memory of one particle in the swarm, bytes.
-  std::size_t bytes_per_particle() const;
+  std::size_t bytes_per_particle() const { return m_swarm.bytes_per_point(); }
 
  private:
-  struct Column {
-    std::string name;
-    std::size_t bytes;
-  };
-
-  void declare_fields();
-  void register_column(const std::string& name, PetscDataType type);
-  void register_fields();
-  std::vector<std::byte*> open_columns() const;
-  void close_columns(std::vector<std::byte*>& columns) const;
-  std::vector<int> destinations() const;
-  std::vector<std::byte> exchange(std::span<const int> leaving,
-                                  std::span<const int> destination) const;
-  std::vector<std::byte> pack(std::span<const int> leaving) const;
-  void unpack(std::span<const std::byte> data, int first);
-  void remove(std::span<const int> leaving);
+  std::vector<typename Swarm<dim>::Column> declare_fields();
+  std::vector<std::array<int, dim>> cells() const;
   std::vector<int> sort_keys(const ParticleView<dim>& view) const;
-  void permute(std::span<const int> order);
   void fill(const Seed<dim>& seed, const ParticleView<dim>& view, int p) const;
 
   const grid::Grid<dim>& m_grid;
@@ -136,10 +114,8 @@ class Particles {
   std::vector<std::string> m_state_names;
   std::vector<std::vector<std::size_t>> m_state_of_material;  ///< indices into m_state_names
   std::vector<Field> m_fields;
-  std::vector<Column> m_columns;
-  petsc::DmHandle m_swarm;
+  Swarm<dim> m_swarm;
   std::vector<Range> m_ranges;
-  long long m_global_count = 0;
 };
 
 /// Names of the scalar columns of a field: position_x, stress_xy, mass.

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "mpm/basis/BSpline.hpp"
 #include "mpm/options/OptionSet.hpp"
+#include "mpm/solver/Simulation.hpp"
 
 namespace mpm::scene {
 
@@ -15,6 +15,7 @@ enum class ProgressDisplay { automatic, on, off };
 /// Options that every scene on a grid has. A scene sets its own defaults before declaring them.
 struct RunOptions {
   std::string output_dir;
+  basis::Kind basis = basis::Kind::cubic;
   basis::EndTreatment ends = basis::EndTreatment::mirror;
   double courant = 0.9;
   std::int64_t particles_per_cell_direction = 2;
@@ -27,10 +28,16 @@ struct RunOptions {
 
   void declare(options::OptionSet& options);
 
+  template <int dim>
+  void apply_to(solver::SimulationSetup<dim>& setup) const {
+    setup.basis = basis;
+    setup.ends = ends;
+    setup.courant = courant;
+  }
+
  private:
   // One choice each so far; a second one makes them real alternatives.
   enum class OnlyOne { house };
-  OnlyOne m_basis = OnlyOne::house;
   OnlyOne m_update = OnlyOne::house;
   OnlyOne m_transfer = OnlyOne::house;
 };

@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "mpm/basis/BSpline.hpp"
+#include "mpm/basis/Bases.hpp"
 #include "mpm/grid/Walls.hpp"
+#include "mpm/particles/BoundaryParticles.hpp"
 #include "mpm/particles/Particles.hpp"
 #include "mpm/particles/Seeding.hpp"
 #include "mpm/solver/RunState.hpp"
@@ -20,6 +21,7 @@ namespace mpm::solver {
 template <int dim>
 struct SimulationSetup {
   std::array<basis::KnotLines, dim> lines;
+  basis::Kind basis = basis::Kind::cubic;
   basis::EndTreatment ends = basis::EndTreatment::mirror;
   typename grid::Walls<dim>::Kinds walls{};
   particles::Materials materials;
@@ -65,9 +67,14 @@ class Simulation {
   const grid::Walls<dim>& walls() const { return m_walls; }
   particles::Particles<dim>& particles() { return *m_particles; }
   const particles::Particles<dim>& particles() const { return *m_particles; }
+  /// Loaded surfaces; none at the start.
+  particles::BoundaryParticles<dim>& boundary() { return *m_boundary; }
+  const particles::BoundaryParticles<dim>& boundary() const { return *m_boundary; }
   const Step<dim>& step() const { return *m_step; }
 
-  /// Sum of |f| over all nodes without damping, as a share of the weight sum m g. Collective.
+  /// Sum of |f| over all nodes without damping, N. Collective.
+  double unbalanced_force() const;
+  /// The same as a share of the weight sum m g. Collective.
   double out_of_balance() const;
   /// Sum of m v^2/2 over all particles, J. Collective.
   double kinetic_energy() const;
@@ -78,6 +85,7 @@ class Simulation {
 
  private:
   static std::unique_ptr<grid::Grid<dim>> make_grid(const SimulationSetup<dim>& setup);
+  std::unique_ptr<Step<dim>> make_step(const SimulationSetup<dim>& setup);
   void seed(const SimulationSetup<dim>& setup);
   void renew_time_step();
   void agree(const StepReport& report);
@@ -86,6 +94,7 @@ class Simulation {
   std::unique_ptr<grid::Grid<dim>> m_grid;
   grid::Walls<dim> m_walls;
   std::unique_ptr<particles::Particles<dim>> m_particles;
+  std::unique_ptr<particles::BoundaryParticles<dim>> m_boundary;
   std::vector<std::shared_ptr<grid::NodalCondition<dim>>> m_owned_conditions;
   Conditions<dim> m_conditions;
   std::unique_ptr<Step<dim>> m_step;

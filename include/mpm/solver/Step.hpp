@@ -7,6 +7,7 @@
 #include "mpm/basis/BSpline.hpp"
 #include "mpm/grid/NodalCondition.hpp"
 #include "mpm/grid/Walls.hpp"
+#include "mpm/particles/BoundaryParticles.hpp"
 #include "mpm/particles/Particles.hpp"
 #include "mpm/solver/RunState.hpp"
 #include "mpm/transfer/PointDeposit.hpp"
@@ -59,7 +60,8 @@ class MuslStep : public Step<dim> {
  public:
   /// Collective. All that is referred to must outlive the step.
   MuslStep(const grid::Grid<dim>& grid, std::array<Basis, dim> bases, const grid::Walls<dim>& walls,
-           particles::Particles<dim>& particles, const Conditions<dim>& conditions);
+           particles::Particles<dim>& particles, particles::BoundaryParticles<dim>& boundary,
+           const Conditions<dim>& conditions);
 
   StepReport advance(const RunState& state, const StepOptions<dim>& options) override;
   double smallest_transit_time() const override;
@@ -78,6 +80,7 @@ class MuslStep : public Step<dim> {
   std::array<Basis, dim> m_bases;
   const grid::Walls<dim>& m_walls;
   particles::Particles<dim>& m_particles;
+  particles::BoundaryParticles<dim>& m_boundary;
   const Conditions<dim>& m_conditions;
   transfer::BasisDeposit<dim, Basis> m_point_deposit;
   grid::NodalField<dim> m_sums;      ///< mass, momentum, force

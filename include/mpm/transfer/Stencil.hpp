@@ -22,11 +22,14 @@ class Stencil {
   /// Moves to the point x, which must lie in a reachable cell.
   void move_to(const Vector<dim>& x) {
     m_first = 0;
-    for (int d = 0; d < dim; ++d) {
-      const int cell = m_bases[d].lines().cell_of(x[d]);
-      m_bases[d].evaluate(cell, x[d], m_N[d], m_dN[d]);
-      m_first += (Basis::first_node(cell) - m_begin[d]) * m_stride[d];
-    }
+    for (int d = 0; d < dim; ++d) evaluate(d, m_bases[d].lines().cell_of(x[d]), x[d]);
+  }
+
+  /// Moves to the point x with the functions of the reachable cell that holds `inside`, continued
+  /// if x lies beyond that cell.
+  void move_to_continued(const Vector<dim>& inside, const Vector<dim>& x) {
+    m_first = 0;
+    for (int d = 0; d < dim; ++d) evaluate(d, m_bases[d].lines().cell_of(inside[d]), x[d]);
   }
 
   /// visit(local node index, N_Ip, gradient of N_Ip) in the order of the nodal arrays.
@@ -53,6 +56,11 @@ class Stencil {
   }
 
  private:
+  void evaluate(int d, int cell, double x) {
+    m_bases[d].evaluate(cell, x, m_N[d], m_dN[d]);
+    m_first += (Basis::first_node(cell) - m_begin[d]) * m_stride[d];
+  }
+
   const std::array<Basis, dim>& m_bases;
   std::array<std::ptrdiff_t, dim> m_stride;
   std::array<int, dim> m_begin;

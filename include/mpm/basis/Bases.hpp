@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mpm/basis/BSpline.hpp"
+
+/// The one table of bases a run can choose from: word of the option, type. A new basis is a type
+/// with the members of BSpline and one line here.
+#define MPM_BASES(X)       \
+  X(linear, BSpline<1>)    \
+  X(quadratic, BSpline<2>) \
+  X(cubic, BSpline<3>)
+
+namespace mpm::basis {
+
+#define MPM_NAME_OF_BASIS(name, Basis) name,
+enum class Kind { MPM_BASES(MPM_NAME_OF_BASIS) };
+#undef MPM_NAME_OF_BASIS
+
+#define MPM_WORD_OF_BASIS(name, Basis) {#name, Kind::name},
+inline std::vector<std::pair<std::string, Kind>> kinds() {
+  return {MPM_BASES(MPM_WORD_OF_BASIS)};
+}
+#undef MPM_WORD_OF_BASIS
+
+/// visit.template operator()<Basis>() for the basis of this kind.
+template <class Visit>
+auto with_basis(Kind kind, const Visit& visit) {
+  switch (kind) {
+#define MPM_CASE_OF_BASIS(name, Basis) \
+  case Kind::name:                     \
+    return visit.template operator()<Basis>();
+    MPM_BASES(MPM_CASE_OF_BASIS)
+#undef MPM_CASE_OF_BASIS
+  }
+  return visit.template operator()<BSpline<3>>();  // not reached
+}
+
+}  // namespace mpm::basis
