@@ -84,20 +84,16 @@ double MohrCoulomb::stiffness_against_own_flow() const {
 }
 
 /// A return whose principal stresses change their order belongs to the edge where they are equal.
-/// Where both pairs do, whichever edge is met below the apex is the one.
+/// Where both pairs change it, the trial lies behind the apex, and so does the return to either
+/// edge.
 MohrCoulomb::PrincipalStress MohrCoulomb::return_to_surface(const PrincipalStress& trial) const {
   const PrincipalStress plane = return_to_plane(trial);
   const bool leaves_compression = plane[0] < plane[1];
   const bool leaves_extension = plane[1] < plane[2];
   if (!leaves_compression && !leaves_extension) return plane;
-  if (leaves_compression) {
-    const PrincipalStress edge = return_to_edge(trial, Edge::compression);
-    if (edge[0] <= m_apex) return edge;
-  }
-  if (leaves_extension) {
-    const PrincipalStress edge = return_to_edge(trial, Edge::extension);
-    if (edge[0] <= m_apex) return edge;
-  }
+  const PrincipalStress edge =
+      return_to_edge(trial, leaves_compression ? Edge::compression : Edge::extension);
+  if (edge[0] <= m_apex) return edge;
   return {m_apex, m_apex, m_apex};
 }
 
