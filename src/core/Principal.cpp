@@ -21,8 +21,8 @@ void rotate(Rotated& a, std::size_t k) {
   const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
   const double shear = a.opposite[k];
   const double cotangent = 0.5 * (a.diagonal[j] - a.diagonal[i]) / shear;  // of twice the angle
-  const double t =
-      std::copysign(1.0, cotangent) / (std::abs(cotangent) + std::hypot(cotangent, 1.0));
+  const double t = std::copysign(1.0, cotangent) /
+                   (std::abs(cotangent) + std::sqrt(cotangent * cotangent + 1.0));
   const double c = 1.0 / std::sqrt(t * t + 1.0), s = t * c;
   a.diagonal[i] -= t * shear;
   a.diagonal[j] += t * shear;
