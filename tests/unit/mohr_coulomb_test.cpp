@@ -403,6 +403,13 @@ TEST(MohrCoulomb, plane_strain_may_leave_components_out) {
   EXPECT_EQ(plastic_strain, full.plastic_strain);
 }
 
+TEST(MohrCoulomb, hands_on_what_is_not_a_number) {
+  const MohrCoulomb law(usual);
+  Point point{&law, isotropic(-1e3)};
+  point.strain_by(isotropic(std::nan("")));
+  EXPECT_TRUE(std::isnan(trace(point.stress)));
+}
+
 // The start, limits and options ------------------------------------------------------------------
 
 /// Text of the refusal of an initial stress, empty where it is accepted.

@@ -17,8 +17,8 @@ struct MohrCoulombParameters {
 /// sigma_1 >= sigma_2 >= sigma_3 (tension positive) and N(x) = (1 + sin x)/(1 - sin x) the yield
 /// function is f = N(phi) sigma_1 - sigma_3 - 2 c sqrt(N(phi)), and the plastic potential the same
 /// with the dilation angle psi. The return to planes, edges and apex is closed-form in principal
-/// stresses, without rounding (Clausen, Damkilde & Andersen 2006). No tension beyond the apex,
-/// c cot(phi).
+/// stresses, without rounding (Clausen, Damkilde & Andersen 2006, 2007). No tension beyond the
+/// apex, c cot(phi), where an opening is not remembered.
 class MohrCoulomb : public Material {
  public:
   using PrincipalStress = std::array<double, 3>;  ///< Pa, largest first
