@@ -4,6 +4,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "CpuTime.hpp"
@@ -29,6 +30,7 @@ struct Path {
   double pressure = 0.0;          ///< Pa, isotropic, before the preparation
   SymmetricTensor direction{};    ///< of preparation and increment
   double preparation = 0.0;       ///< size of the strain before
+  double turning_back = 0.0;      ///< size of the strain back after it
   double increment = 1e-5;        ///< size of the strain that is measured; negative turns back
   double expected_growth = -1.0;  ///< share of particles whose plastic measure grows, or -1
 };
@@ -50,6 +52,7 @@ class Particles {
       m_now.state.emplace_back(particles, variable.initial);
     if (path.pressure > 0.0) law.initialise_from_stress(batch());
     prepare(path.preparation);
+    prepare(-path.turning_back);
     strain_next_by(path.increment);
     m_start = m_now;
   }
@@ -163,17 +166,18 @@ void add_sand() {
   const auto dense = std::make_shared<SandLaw>(SandParameters{});
   for (double pressure : {2e3, 400e3}) {
     const std::string at = "sand/" + std::to_string(static_cast<int>(pressure / 1e3)) + "kPa/";
-    Path path{.pressure = pressure, .direction = biaxial, .preparation = 0.01};
-    path.expected_growth = 1.0;
-    path.increment = 1e-6;
-    add(at + "plastic_1e-6", dense, path, SandLaw::eps_q);
-    path.increment = 1e-5;
-    add(at + "plastic_1e-5", dense, path, SandLaw::eps_q);
-    path.increment = -1e-6;
-    path.expected_growth = 0.0;
-    add(at + "elastic_1e-6", dense, path, SandLaw::eps_q);
-    path.increment = -1e-5;
-    add(at + "elastic_1e-5", dense, path, SandLaw::eps_q);
+    const Path loading{.pressure = pressure, .direction = biaxial, .preparation = 0.01};
+    for (const auto& [size, text] : {std::pair(1e-6, "_1e-6"), std::pair(1e-5, "_1e-5")}) {
+      Path path = loading;
+      path.increment = size;
+      path.expected_growth = 1.0;
+      add(at + "plastic" + text, dense, path, SandLaw::eps_q);
+      path.increment = -size;
+      path.expected_growth = 0.0;
+      add(at + "turning" + text, dense, path, SandLaw::eps_q);
+      path.turning_back = 2e-5;
+      add(at + "elastic" + text, dense, path, SandLaw::eps_q);
+    }
   }
   add("sand/pressure_floor", dense,
       {.pressure = 2e3, .direction = stretching, .preparation = 0.05, .expected_growth = 1.0},
