@@ -141,8 +141,8 @@ void MohrCoulomb::initialise_from_stress(const Batch& batch) const {
       throw BadInput(fmt::format(
           "-mohr_coulomb_friction_angle {} and -mohr_coulomb_cohesion {} do not carry the initial "
           "stress: its largest and smallest principal values are {:.6g} and {:.6g} Pa (tension "
-          "positive), and with the first the second must be at least {:.6g} Pa; bring -K0 closer "
-          "to 1 or raise one of the two",
+          "positive), and with the first the second must be at least {:.6g} Pa; start from a more "
+          "even stress or raise one of the two",
           m_parameters.friction_angle, m_parameters.cohesion, stress[0], stress[2],
           m_N * stress[0] - m_compressive_strength));
     batch.state[0][p] = 0.0;

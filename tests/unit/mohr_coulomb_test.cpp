@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "mpm/core/Errors.hpp"
@@ -468,7 +469,13 @@ TEST(MohrCoulomb, refuses_constants_that_make_no_sense) {
   EXPECT_THROW(MohrCoulomb(constants(30.0, -1.0, 1e3)), BadInput);
   EXPECT_THROW(MohrCoulomb(constants(30.0, 2.0, -1.0)), BadInput);
   EXPECT_THROW(MohrCoulomb(constants(0.0, 0.0, 0.0)), BadInput);
-  EXPECT_THROW(MohrCoulomb({.elastic = {.youngs_modulus = -1.0}}), BadInput);
+  try {
+    const MohrCoulomb refused({.elastic = {.youngs_modulus = -3.0}});
+    FAIL() << "accepted";
+  } catch (const BadInput& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("-mohr_coulomb_youngs_modulus -3"), std::string::npos) << text;
+  }
 }
 
 TEST(MohrCoulombFactory, builds_the_law_that_the_options_describe) {
