@@ -8,26 +8,21 @@
 
 namespace mpm::material {
 
-LinearElastic::LinearElastic(const LinearElasticParameters& parameters)
+LinearElastic::LinearElastic(const LinearElasticParameters& parameters, std::string_view prefix)
     : m_density(parameters.density) {
   const auto [E, nu, density] = parameters;
-  if (!(E > 0.0)) throw BadInput(fmt::format("-elastic_youngs_modulus {}: must be positive", E));
+  if (!(E > 0.0)) throw BadInput(fmt::format("-{}_youngs_modulus {}: must be positive", prefix, E));
   if (!(nu > -1.0 && nu < 0.5))
-    throw BadInput(fmt::format("-elastic_poisson_ratio {}: must be above -1 and below 0.5", nu));
+    throw BadInput(fmt::format("-{}_poisson_ratio {}: must be above -1 and below 0.5", prefix, nu));
   if (!(density > 0.0))
-    throw BadInput(fmt::format("-elastic_density {}: must be positive", density));
+    throw BadInput(fmt::format("-{}_density {}: must be positive", prefix, density));
   m_lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
   m_mu = 0.5 * E / (1.0 + nu);
 }
 
 void LinearElastic::update_stress(const Batch& batch) const {
-  for (std::size_t p = 0; p < batch.size; ++p) {
-    const SymmetricTensor strain = batch.strain_increment.load(p);
-    SymmetricTensor stress = batch.stress.load(p) + 2.0 * m_mu * strain;
-    const double pressure = m_lambda * trace(strain);
-    for (int k = 0; k < 3; ++k) stress[k] += pressure;
-    batch.stress.store(p, stress);
-  }
+  for (std::size_t p = 0; p < batch.size; ++p)
+    batch.stress.store(p, batch.stress.load(p) + stress_increment(batch.strain_increment.load(p)));
 }
 
 void LinearElastic::wave_modulus(const Batch& batch, std::span<double> modulus) const {

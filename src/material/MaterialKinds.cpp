@@ -2,7 +2,9 @@
 
 #include "mpm/material/LinearElastic.hpp"
 #include "mpm/material/Material.hpp"
+#include "mpm/material/MohrCoulomb.hpp"
 #include "mpm/material/SandFactory.hpp"
+#include "mpm/material/VonMises.hpp"
 
 namespace mpm::material {
 
@@ -18,6 +20,11 @@ constexpr std::array kinds{
                  &make<SandFactory>},
     MaterialKind{"elastic", "Isotropic linear elasticity in rate form",
                  &make<LinearElasticFactory>},
+    MaterialKind{"von_mises", "Linear elastic, perfectly plastic von Mises solid",
+                 &make<VonMisesFactory>},
+    MaterialKind{"mohr_coulomb",
+                 "Linear elastic, perfectly plastic Mohr-Coulomb solid with dilation",
+                 &make<MohrCoulombFactory>},
 };
 
 }  // namespace

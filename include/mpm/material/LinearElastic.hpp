@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <string_view>
+
 #include "mpm/material/Material.hpp"
 
 namespace mpm::material {
@@ -10,11 +13,14 @@ struct LinearElasticParameters {
   double density = 2000.0;      ///< kg/m^3
 };
 
-/// Isotropic linear elasticity in rate form: dsigma = lambda tr(D dt) I + 2 mu D dt.
+/// Isotropic linear elasticity in rate form: dsigma = lambda tr(D dt) I + 2 mu D dt. Also the
+/// elastic part of other laws.
 class LinearElastic : public Material {
  public:
-  /// Throws BadInput unless E > 0, density > 0 and -1 < nu < 0.5.
-  explicit LinearElastic(const LinearElasticParameters& parameters);
+  /// Throws BadInput unless E > 0, density > 0 and -1 < nu < 0.5, naming the options
+  /// -`prefix`_youngs_modulus and so on.
+  explicit LinearElastic(const LinearElasticParameters& parameters,
+                         std::string_view prefix = "elastic");
 
   std::span<const StateVariable> state_variables() const override { return {}; }
   double initial_density() const override { return m_density; }
@@ -22,11 +28,26 @@ class LinearElastic : public Material {
   void wave_modulus(const Batch& batch, std::span<double> modulus) const override;
   void initialise_from_stress(const Batch&) const override {}
 
+  double lambda() const { return m_lambda; }     ///< Lame's first constant, Pa
+  double shear_modulus() const { return m_mu; }  ///< Pa
+
+  /// Pa, for a strain increment.
+  SymmetricTensor stress_increment(const SymmetricTensor& strain) const {
+    SymmetricTensor stress = 2.0 * m_mu * strain;
+    const double isotropic = m_lambda * trace(strain);
+    for (int k = 0; k < 3; ++k) stress[k] += isotropic;
+    return stress;
+  }
+
  private:
   double m_lambda;  ///< Pa
   double m_mu;      ///< Pa
   double m_density;
 };
+
+/// Declares -`prefix`_youngs_modulus, -`prefix`_poisson_ratio and -`prefix`_density.
+void declare_linear_elastic(options::OptionSet& set, const std::string& prefix,
+                            LinearElasticParameters& parameters);
 
 /// The -elastic_* options.
 class LinearElasticFactory : public MaterialFactory {
