@@ -2,42 +2,26 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "mpm/core/Errors.hpp"
 #include "mpm/petsc/Session.hpp"
+#include "mpm/scene/InitialStress.hpp"
 
 namespace mpm::scene {
 
-void prescribe_stress(solver::Simulation<2>& simulation, const GeostaticStress& stress) {
-  std::string refused;
-  double deepest = 0.0;
-  {
-    auto& particles = simulation.particles();
-    const auto view = particles.view();
-    for (int p = 0; p < view.count; ++p) {
-      const double vertical = stress.unit_weight * view.position[1][p];  // tension positive
-      deepest = std::max(deepest, -view.position[1][p]);
-      view.stress[0][p] = view.stress[2][p] = stress.K0 * vertical;
-      view.stress[1][p] = vertical;
-      view.stress[3][p] = 0.0;
-    }
-    try {
-      for (std::size_t k = 0; k < particles.materials().size(); ++k)
-        particles.materials()[k]->initialise_from_stress(
-            particles.batch_of(view, static_cast<int>(k)));
-    } catch (const BadInput& error) {
-      refused = error.what();
-    }
+void prescribe_geostatic(solver::Simulation<2>& simulation, const GeostaticStress& stress) {
+  try {
+    prescribe_stress<2>(simulation, [&](const Vector<2>& x) {
+      const double vertical = stress.unit_weight * x[1];  // tension positive
+      return SymmetricTensor{{stress.K0 * vertical, vertical, stress.K0 * vertical, 0.0, 0.0, 0.0}};
+    });
+  } catch (const BadInput& error) {
+    throw BadInput(fmt::format(
+        "-geostatic_K0 {} is more than the soil can bear; take a value nearer to 1 or a stronger "
+        "soil ({})",
+        stress.K0, error.what()));
   }
-  if (petsc::maximum(refused.empty() ? 0.0 : 1.0) > 0.0)
-    throw BadInput(
-        fmt::format("-geostatic_K0 {} is more than the soil can bear somewhere down to a depth of "
-                    "{:.3g} m{}{}; "
-                    "take a value nearer to 1 or more -sand_cohesion",
-                    stress.K0, petsc::maximum(deepest), refused.empty() ? "" : ": ", refused));
 }
 
 GeostaticErrors measure_geostatic(const solver::Simulation<2>& simulation,

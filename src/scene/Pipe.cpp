@@ -48,7 +48,7 @@ class PipeRun {
   }
 
   void run() {
-    prescribe_stress(m_simulation, {.unit_weight = m_options.unit_weight(), .K0 = m_options.K0});
+    prescribe_geostatic(m_simulation, {.unit_weight = m_options.unit_weight(), .K0 = m_options.K0});
     if (rest()) push();
     conclude();
   }

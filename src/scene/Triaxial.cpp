@@ -1,0 +1,271 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mpm/io/TextFile.hpp"
+#include "mpm/material/ElementTest.hpp"
+#include "mpm/material/SandFactory.hpp"
+#include "mpm/petsc/Session.hpp"
+#include "mpm/scene/InitialStress.hpp"
+#include "mpm/scene/RunLoop.hpp"
+#include "mpm/scene/Scene.hpp"
+
+namespace mpm::scene {
+namespace {
+
+constexpr double side = 1.0;             // m, of the cube
+constexpr double row_spacing = 0.002;    // axial strain between rows of history.csv
+constexpr double ramp_strain = 0.001;    // axial strain in which the platen gets to its velocity
+constexpr double first_measured = 0.01;  // axial strain from which kinetic energy is compared
+
+/// A smooth platen on the top of the cube: the nodes whose functions reach the top move as in
+/// uniform compression, v_y = -V y/L.
+class Platen : public grid::NodalCondition<3> {
+ public:
+  void correct(const grid::Grid<3>& grid, const grid::NodalMotion<3>& motion) override {
+    const basis::KnotLines& lines = grid.nodes(1).lines;
+    const int first = std::min(lines.cell_of(height), lines.cells() - 1);
+    grid.for_each_owned_node([&](int I, const auto& node) {
+      if (node[1] < first) return;
+      const double y = grid.position(node)[1];
+      const double change = -motion.mass[I] * velocity * y / height - motion.momentum[1][I];
+      motion.momentum[1][I] += change;
+      if (!motion.is_first_mapping()) return;
+      motion.force[1][I] += change / motion.dt;
+      impulse -= change * y / height;
+    });
+  }
+
+  double height = side;   ///< L, m
+  double velocity = 0.0;  ///< V downward, m/s
+  double impulse = 0.0;   ///< on the platen by virtual work, this rank's share, N s
+};
+
+/// Means over the cube's particles.
+struct CubeState {
+  double q, p, volume, void_ratio;
+  double spread;  ///< largest deviation of a particle's stress from the mean, as a share of p
+};
+
+/// The paper's triaxial element tests (section 3.1) in the whole method: an octant of nothing, but
+/// a cube between three symmetry planes, pressed on its free sides, compressed from the top.
+class Triaxial : public Scene {
+ public:
+  Triaxial() {
+    m_run.output_dir = "out/triaxial";
+    m_run.basis = basis::Kind::linear;
+    m_run.courant = 0.5;
+    m_sand.parameters().cohesion = 0.0;
+    m_sand.parameters().void_ratio = 0.551;
+  }
+
+  void declare(options::OptionSet& options) override {
+    m_run.declare(options);
+    options.section("Triaxial");
+    options.integer("cells", m_cells, {1, 64},
+                    {"1", "cells per side; one is enough for linear functions, cubic ones need 4",
+                     "paper, section 3.1"});
+    options.real("confining_pressure", m_pressure, options::positive(),
+                 {"Pa", "on the sides, and everywhere at the start", "paper, section 3.1"});
+    options.real("strain_end", m_strain_end, {.minimum = 0.0, .maximum = 0.4, .open_minimum = true},
+                 {"1", "last axial strain, logarithmic", "chosen"});
+    options.real("triaxial_velocity", m_velocity, options::positive(),
+                 {"m/s", "of the top, downward", "chosen: slow"});
+    m_sand.declare(options);
+  }
+
+  const std::string& output_directory() const override { return m_run.output_dir; }
+
+  void run(io::Summary& summary) override {
+    const std::shared_ptr<const material::Material> law = m_sand.create();
+    solver::Simulation<3> simulation(setup(law));
+    const double p0 = m_pressure;
+    prescribe_stress<3>(simulation, [p0](const auto&) {
+      return SymmetricTensor{{-p0, -p0, -p0, 0.0, 0.0, 0.0}};
+    });
+    press_sides(simulation);
+    compress(simulation, *law, summary);
+  }
+
+  std::string answer(const io::Summary& summary) const override {
+    return fmt::format("peak q {:.4g} kPa at strain {:.3g}, {:.2g} % off the material point",
+                       summary.number("q_peak_Pa") / 1e3, summary.number("strain_at_peak"),
+                       100.0 * summary.number("error_q"));
+  }
+
+ private:
+  /// Free sides bulge into half a side of empty cells; a single cell holds all by itself.
+  solver::SimulationSetup<3> setup(std::shared_ptr<const material::Material> law) const {
+    const auto n = static_cast<int>(m_cells);
+    const int all = n == 1 ? 1 : n + (n + 1) / 2;
+    const basis::KnotLines line = basis::KnotLines::uniform(0.0, side * all / n, all);
+    solver::SimulationSetup<3> setup{.lines = {line, line, line}};
+    m_run.apply_to(setup);
+    for (auto& direction : setup.walls) direction = {grid::Wall::symmetry, grid::Wall::free};
+    setup.materials = {std::move(law)};
+    setup.filling = {
+        [](const Vector<3>& x) {
+          return *std::max_element(x.begin(), x.end()) < side ? std::optional(0) : std::nullopt;
+        },
+        [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
+    return setup;
+  }
+
+  /// A piece of surface before each particle of the two free sides.
+  void press_sides(solver::Simulation<3>& simulation) const {
+    const auto n = static_cast<int>(m_cells * m_run.particles_per_cell_direction);
+    const double spacing = side / n;
+    std::vector<particles::SurfacePiece<3>> pieces;
+    for (const std::size_t normal : {std::size_t{0}, std::size_t{2}})
+      for (int j = 0; j < n; ++j)
+        for (int k = 0; k < n; ++k) {
+          particles::SurfacePiece<3> piece{{}, {}, {}, m_pressure};
+          piece.anchor[normal] = side - 0.5 * spacing;
+          piece.anchor[1] = (j + 0.5) * spacing;
+          piece.anchor[2 - normal] = (k + 0.5) * spacing;
+          piece.offset[normal] = 0.5 * spacing;
+          piece.area[normal] = spacing * spacing;
+          pieces.push_back(piece);
+        }
+    simulation.boundary().add(pieces);
+  }
+
+  void compress(solver::Simulation<3>& simulation, const material::Material& law,
+                io::Summary& summary);
+  double velocity_at(double time) const {
+    const double ramp = 2.0 * ramp_strain * side / m_velocity;
+    if (time >= ramp) return m_velocity;
+    return 0.5 * m_velocity * (1.0 - std::cos(std::numbers::pi * time / ramp));
+  }
+  static CubeState observe(const solver::Simulation<3>& simulation);
+  void compare_with_material_point(const material::Material& law, io::Summary& summary) const;
+
+  struct Row {
+    double strain, q, volumetric_strain;
+  };
+
+  RunOptions m_run;
+  std::int64_t m_cells = 1;
+  double m_pressure = 150e3;
+  double m_strain_end = 0.3;
+  double m_velocity = 0.01;
+  material::SandFactory m_sand;
+  std::vector<Row> m_rows;
+};
+
+CubeState Triaxial::observe(const solver::Simulation<3>& simulation) {
+  const auto& particles = simulation.particles();
+  const auto view = particles.view();
+  SymmetricTensor sum;
+  double volume = 0.0, void_volume = 0.0;
+  for (int p = 0; p < view.count; ++p) {
+    volume += view.volume[p];
+    void_volume += view.volume[p] * view.state[0][p];
+    for (int k = 0; k < SymmetricTensor::size; ++k) sum[k] += view.volume[p] * view.stress[k][p];
+  }
+  volume = petsc::sum(volume);
+  SymmetricTensor mean;
+  for (int k = 0; k < SymmetricTensor::size; ++k) mean[k] = petsc::sum(sum[k]) / volume;
+  double spread = 0.0;
+  for (int p = 0; p < view.count; ++p) {
+    SymmetricTensor difference = -1.0 * mean;
+    for (int k = 0; k < SymmetricTensor::size; ++k) difference[k] += view.stress[k][p];
+    spread = std::max(spread, norm(difference));
+  }
+  const double p = -trace(mean) / 3.0;
+  return {std::sqrt(1.5) * norm(deviator(mean)), p, volume, petsc::sum(void_volume) / volume,
+          petsc::maximum(spread) / p};
+}
+
+void Triaxial::compress(solver::Simulation<3>& simulation, const material::Material& law,
+                        io::Summary& summary) {
+  const auto platen = std::make_shared<Platen>();
+  simulation.add_condition(platen);
+  RunLoop<3> loop(m_run, simulation);
+  io::CsvFile history(
+      m_run.output_dir + "/history.csv",
+      {"axial_strain", "q_Pa", "p_Pa", "volumetric_strain", "void_ratio", "axial_stress_platen_Pa",
+       "stress_spread", "kinetic_energy_J", "dt_s", "step"});
+  const double volume_0 = observe(simulation).volume;
+  double seconds = 0.0, work = 0.0, largest_spread = 0.0, largest_kinetic_share = 0.0;
+  const auto strain = [&] { return std::log(side / platen->height); };
+  const auto write_row = [&] {
+    const CubeState cube = observe(simulation);
+    const auto& state = simulation.state();
+    const double area = cube.volume / platen->height;
+    const double force = petsc::sum(std::exchange(platen->impulse, 0.0)) /
+                         std::max(std::exchange(seconds, 0.0), 1e-300);
+    const double axial_stress = state.step > 0 ? force / area : m_pressure;
+    const double volumetric = -std::log(cube.volume / volume_0);
+    const double before = m_rows.empty() ? 0.0 : m_rows.back().strain;
+    work += axial_stress * cube.volume * (strain() - before);
+    const double kinetic = simulation.kinetic_energy();
+    largest_spread = std::max(largest_spread, cube.spread);
+    if (strain() >= first_measured)
+      largest_kinetic_share = std::max(largest_kinetic_share, kinetic / work);
+    m_rows.push_back({strain(), cube.q, volumetric});
+    history.row({strain(), cube.q, cube.p, volumetric, cube.void_ratio, axial_stress, cube.spread,
+                 kinetic, state.dt_old, static_cast<double>(state.step)});
+  };
+  write_row();
+  loop.write_fields();
+  loop.run({.name = "compression",
+            .share_done = [&] { return strain() / m_strain_end + 1e-9; },
+            .before_step =
+                [&] {
+                  const auto& state = simulation.state();
+                  platen->velocity = velocity_at(state.time_in_stage + 0.5 * state.dt);
+                },
+            .after_step =
+                [&] {
+                  const auto& state = simulation.state();
+                  platen->height -= platen->velocity * state.dt_old;
+                  seconds += state.last_momentum_dt;
+                  if (strain() >= row_spacing * static_cast<double>(m_rows.size())) write_row();
+                },
+            .status = [&] { return fmt::format("q {:.1f} kPa", m_rows.back().q / 1e3); }});
+  loop.write_fields();
+  loop.summarise(summary);
+  summary.set("stress_spread_max", largest_spread);
+  summary.set("kinetic_energy_over_work_max", largest_kinetic_share);
+  compare_with_material_point(law, summary);
+}
+
+/// The same test at a single point without grid, interpolated to the strains of the rows.
+void Triaxial::compare_with_material_point(const material::Material& law,
+                                           io::Summary& summary) const {
+  const auto curve = material::run_element_test(law, {.confining_pressure = m_pressure,
+                                                      .strain_end = m_rows.back().strain,
+                                                      .increments = m_rows.size() * 10});
+  const auto peak = std::max_element(curve.begin(), curve.end(),
+                                     [](const auto& a, const auto& b) { return a.q < b.q; });
+  const Row highest = *std::max_element(m_rows.begin(), m_rows.end(),
+                                        [](const Row& a, const Row& b) { return a.q < b.q; });
+  double error_q = 0.0, error_volume = 0.0;
+  for (const Row& row : m_rows) {
+    const double place =
+        row.strain / curve.back().axial_strain * static_cast<double>(curve.size() - 1);
+    const auto k = std::min(static_cast<std::size_t>(place), curve.size() - 2);
+    const double t = place - static_cast<double>(k);
+    const double q = (1.0 - t) * curve[k].q + t * curve[k + 1].q;
+    const double v = (1.0 - t) * curve[k].volumetric_strain + t * curve[k + 1].volumetric_strain;
+    error_q = std::max(error_q, std::abs(row.q - q) / peak->q);
+    error_volume = std::max(error_volume, std::abs(row.volumetric_strain - v));
+  }
+  summary.set("q_peak_Pa", highest.q);
+  summary.set("strain_at_peak", highest.strain);
+  summary.set("q_end_Pa", m_rows.back().q);
+  summary.set("q_peak_material_point_Pa", peak->q);
+  summary.set("error_q", error_q);
+  summary.set("error_volumetric_strain", error_volume);
+}
+
+}  // namespace
+
+std::unique_ptr<Scene> make_triaxial() {
+  return std::make_unique<Triaxial>();
+}
+
+}  // namespace mpm::scene
