@@ -16,8 +16,7 @@ namespace {
 
 constexpr std::array kinds{
     SceneKind{"pipe", "a rigid pipe pushed down into sand, plane strain: the main job", &make_pipe},
-    SceneKind{"material_point", "element tests of the sand law without a grid",
-              &make_material_point},
+    SceneKind{"material_point", "element tests of a law, without a grid", &make_material_point},
     SceneKind{"patch", "constant stress in a box: what is left at nodes and walls", &make_patch},
     SceneKind{"mms1d", "vibrating bar with a manufactured solution at finite strain", &make_mms1d},
     SceneKind{"column", "elastic column under its own weight", &make_column},
