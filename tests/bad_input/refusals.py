@@ -92,7 +92,8 @@ CASES = [
     (path("point5", "FILES/word.csv"), ["word.csv:3", "strain_yy", "'much'", "real", "hold"]),
     (path("point6", "FILES/field.csv"), ["field.csv:2", "3 fields", "4"]),
     (path("point7", "FILES/leg.csv", "-strain_end", "0.1"), ["-strain_end 0.1", "-test path"]),
-    (point("point10", "-material", "elastic", "-sand_G0", "200"), ["-sand_G0 200", "-material sand"]),
+    (point("point10", "-material", "elastic", "-sand_G0", "200"),
+     ["-sand_G0 200", "-material sand"]),
     (point("point11", "-material", "clay"), ["-material", "clay", "sand", "elastic"]),
     (point("point12", "-confining_pressure", "0"), ["-confining_pressure 0", "larger"]),
 ]
