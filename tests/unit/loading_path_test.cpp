@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -125,6 +126,23 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(LoadingPath, file_that_is_none_is_refused) {
   EXPECT_THROW(read_path_file("no such file.csv"), BadInput);
   EXPECT_THROW(read_path_file(MPM_TEST_DATA), BadInput);
+}
+
+TEST(LoadingPath, examples_run_to_their_end) {
+  int examples = 0;
+  const std::string directory = std::string(MPM_TEST_DATA) + "/../../input/element";
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    if (entry.path().extension() != ".csv") continue;
+    ++examples;
+    SandParameters sand;
+    sand.void_ratio = 0.657;
+    sand.cohesion = 0.0;
+    EXPECT_NO_THROW(run_element_test(
+        SandLaw(sand),
+        {.kind = ElementTestKind::path, .path = read_path_file(entry.path().string())}))
+        << entry.path();
+  }
+  EXPECT_GE(examples, 4);
 }
 
 // What the point does ----------------------------------------------------------------------------
