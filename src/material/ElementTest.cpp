@@ -17,9 +17,10 @@ constexpr int size = SymmetricTensor::size;
 constexpr int xx = 0, yy = 1, zz = 2, xy = 3;
 
 constexpr double largest_strain_step = 1e-4;
-constexpr double largest_stress_step = 2e-3;  // of the present stress
-constexpr double stress_tolerance = 1e-9;     // of the present stress
-constexpr int largest_number_of_halvings = 20;
+constexpr double largest_stress_step = 2e-3;    // of the present stress
+constexpr double stress_tolerance = 1e-9;       // of the present stress
+constexpr double largest_strain_sought = 0.05;  // of a stress-controlled component in a step
+constexpr int largest_number_of_halvings = 12;
 
 bool is_stress(const MixedIncrement& increment, int k) {
   return increment.control[static_cast<std::size_t>(k)] == Control::stress;
@@ -66,6 +67,12 @@ MaterialPoint::MaterialPoint(const Material& material, double pressure) : m_mate
   for (const StateVariable& variable : material.state_variables())
     m_state.push_back(variable.initial);
   material.initialise_from_stress(one_particle(m_strain, m_stress, m_state));
+  const double start = norm(m_stress + (-1.0) * respond({}).stress);
+  if (!(start <= stress_tolerance * norm(m_stress)))
+    throw BadInput(fmt::format(
+        "-confining_pressure {}: the material does not stay at rest under it; allowed: a larger "
+        "pressure (sand without cohesion: at least -sand_pressure_floor)",
+        pressure));
 }
 
 double MaterialPoint::state(std::string_view name) const {
@@ -127,6 +134,7 @@ bool MaterialPoint::solve(const MixedIncrement& increment, bool renew_tangent) {
     const SymmetricTensor correction = solve_linear(m_tangent, error);
     for (int k = 0; k < size; ++k)
       if (is_stress(increment, k)) strain[k] -= correction[k];
+    if (!(norm(strain) <= largest_strain_sought)) return false;
   }
   return false;
 }
@@ -157,32 +165,43 @@ MaterialPoint::Response MaterialPoint::respond(const SymmetricTensor& strain_inc
 /// Derivatives of the stress-controlled components by finite differences; unity elsewhere.
 MaterialPoint::Matrix MaterialPoint::tangent(const MixedIncrement& increment,
                                              const SymmetricTensor& strain) const {
-  const double difference = std::max(1e-3 * norm(strain), 1e-10);
+  const double size_of_strain = norm(strain);
+  const double difference = std::max(1e-3 * size_of_strain, 1e-10);
   const SymmetricTensor base = respond(strain).stress;
   Matrix matrix{};
-  for (int column = 0; column < size; ++column) {
-    const auto j = static_cast<std::size_t>(column);
-    if (!is_stress(increment, column)) {
-      matrix[j][column] = 1.0;
-      continue;
+  for (int k = 0; k < size; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    matrix[i][k] = 1.0;
+    if (!is_stress(increment, k)) continue;
+    SymmetricTensor column = derivative(strain, base, k, difference);
+    if (size_of_strain == 0.0) {  // at a turn unloading, which is stiffer, comes first
+      const SymmetricTensor other = derivative(strain, base, k, -difference);
+      if (other[k] > column[k]) column = other;
     }
-    SymmetricTensor shifted = strain;
-    shifted[column] += difference;
-    const SymmetricTensor change = respond(shifted).stress + (-1.0) * base;
     for (int row = 0; row < size; ++row)
-      if (is_stress(increment, row))
-        matrix[static_cast<std::size_t>(row)][column] = change[row] / difference;
+      if (is_stress(increment, row)) matrix[static_cast<std::size_t>(row)][k] = column[row];
+    // On an edge of a yield surface only sums of strains count; this shares them evenly.
+    matrix[i][k] += 1e-6 * norm(column);
   }
   return matrix;
 }
 
+/// Of the stress by one component of the strain.
+SymmetricTensor MaterialPoint::derivative(SymmetricTensor strain, const SymmetricTensor& base,
+                                          int component, double difference) const {
+  strain[component] += difference;
+  return (1.0 / difference) * (respond(strain).stress + (-1.0) * base);
+}
+
 namespace {
 
-/// The whole path of a standard test as one increment; axial is yy, out of plane zz.
-MixedIncrement standard_path(const ElementTestSettings& settings) {
-  MixedIncrement path;
-  const auto hold_stress = [&path](int k) {
-    path.control[static_cast<std::size_t>(k)] = Control::stress;
+/// A standard test as one leg; axial is yy, out of plane zz.
+PathLeg standard_leg(const ElementTestSettings& settings) {
+  PathLeg leg;
+  leg.increments = settings.increments;
+  leg.origin = "the test";
+  const auto hold_stress = [&leg](int k) {
+    leg.control[static_cast<std::size_t>(k)] = Control::stress;
   };
   switch (settings.kind) {
     case ElementTestKind::triaxial_compression:
@@ -194,14 +213,36 @@ MixedIncrement standard_path(const ElementTestSettings& settings) {
       hold_stress(xx);
       break;
     case ElementTestKind::simple_shear_constant_volume:
-      path.change[xy] = 0.5 * settings.strain_end;
-      return path;
+      leg.target[xy] = 0.5 * settings.strain_end;
+      return leg;
     case ElementTestKind::oedometer:
+    case ElementTestKind::path:
       break;
   }
   const bool extends = settings.kind == ElementTestKind::triaxial_extension;
-  path.change[yy] = extends ? settings.strain_end : -settings.strain_end;
-  return path;
+  leg.target[yy] = extends ? settings.strain_end : -settings.strain_end;
+  return leg;
+}
+
+/// Targets of the leg, those that hold taken from the point.
+SymmetricTensor targets(const PathLeg& leg, const MaterialPoint& point) {
+  SymmetricTensor target;
+  for (int k = 0; k < size; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    const bool stress = leg.control[i] == Control::stress;
+    target[k] = leg.target[i].value_or(stress ? point.stress()[k] : point.strain()[k]);
+  }
+  return target;
+}
+
+/// The next of `remaining` equal parts of the way to the target.
+MixedIncrement part_of_way(const PathLeg& leg, const SymmetricTensor& target,
+                           const MaterialPoint& point, std::size_t remaining) {
+  MixedIncrement increment{.control = leg.control, .change = target};
+  for (int k = 0; k < size; ++k)
+    increment.change[k] -= is_stress(increment, k) ? point.stress()[k] : point.strain()[k];
+  increment.change *= 1.0 / static_cast<double>(remaining);
+  return increment;
 }
 
 double lode_angle_deg(const SymmetricTensor& s, double q, double p) {
@@ -215,18 +256,39 @@ ElementTestRow observe(const MaterialPoint& point, ElementTestKind kind) {
   const double q = std::sqrt(1.5 * contract(s, s));
   const double p = -trace(point.stress()) / 3.0;
   const bool shears = kind == ElementTestKind::simple_shear_constant_volume;
-  return {.axial_strain = shears ? 2.0 * point.strain()[xy] : -point.strain()[yy],
+  return {.axial_strain = shears ? 2.0 * point.strain()[xy] : 0.0 - point.strain()[yy],
           .q = q,
           .p = p,
-          .volumetric_strain = -trace(point.strain()),
+          .volumetric_strain = 0.0 - trace(point.strain()),  // no negative zero
           .void_ratio = point.state("void_ratio"),
-          .lode_angle_deg = lode_angle_deg(s, q, p)};
+          .lode_angle_deg = lode_angle_deg(s, q, p),
+          .stress = point.stress(),
+          .strain = point.strain()};
+}
+
+void follow(const PathLeg& leg, ElementTestKind kind, MaterialPoint& point,
+            std::vector<ElementTestRow>& rows) {
+  const SymmetricTensor target = targets(leg, point);
+  point.turn();
+  for (std::size_t k = 0; k < leg.increments; ++k) {
+    try {
+      point.apply(part_of_way(leg, target, point, leg.increments - k));
+    } catch (const NumericalFailure& failure) {
+      throw NumericalFailure(fmt::format("{}, increment {} of {}: {}", leg.origin, k + 1,
+                                         leg.increments, failure.what()));
+    }
+    rows.push_back(observe(point, kind));
+  }
 }
 
 void check(const ElementTestSettings& settings) {
-  if (!(settings.confining_pressure > 0.0))
+  if (!(settings.confining_pressure >= 0.0))
     throw BadInput(
-        fmt::format("-confining_pressure {}: must be positive", settings.confining_pressure));
+        fmt::format("-confining_pressure {}: must not be negative", settings.confining_pressure));
+  if (settings.kind == ElementTestKind::path) {
+    if (settings.path.empty()) throw BadInput("-test path: the path has no legs");
+    return;
+  }
   if (!(settings.strain_end > 0.0))
     throw BadInput(
         fmt::format("-strain_end {}: must be positive (a magnitude)", settings.strain_end));
@@ -238,14 +300,11 @@ void check(const ElementTestSettings& settings) {
 std::vector<ElementTestRow> run_element_test(const Material& material,
                                              const ElementTestSettings& settings) {
   check(settings);
-  MixedIncrement increment = standard_path(settings);
-  increment.change *= 1.0 / static_cast<double>(settings.increments);
   MaterialPoint point(material, settings.confining_pressure);
   std::vector<ElementTestRow> rows{observe(point, settings.kind)};
-  for (std::size_t k = 0; k < settings.increments; ++k) {
-    point.apply(increment);
-    rows.push_back(observe(point, settings.kind));
-  }
+  const std::vector<PathLeg> legs =
+      settings.kind == ElementTestKind::path ? settings.path : std::vector{standard_leg(settings)};
+  for (const PathLeg& leg : legs) follow(leg, settings.kind, point, rows);
   return rows;
 }
 

@@ -18,8 +18,7 @@ namespace {
 
 constexpr std::array kinds{
     SceneKind{"pipe", "a rigid pipe pushed down into sand, plane strain: the main job", &make_pipe},
-    SceneKind{"material_point", "element tests of the sand law without a grid",
-              &make_material_point},
+    SceneKind{"material_point", "element tests of a law, without a grid", &make_material_point},
     SceneKind{"triaxial", "the paper's triaxial element tests in three dimensions", &make_triaxial},
     SceneKind{"patch", "constant stress in a box: what is left at nodes and walls", &make_patch},
     SceneKind{"mms1d", "vibrating bar with a manufactured solution at finite strain", &make_mms1d},

@@ -15,6 +15,16 @@ PREFIX = "mpmsolve: bad input: "
 SECONDS = 60
 AT_ONCE = 4  # the launcher sleeps for two seconds after a refusal
 
+
+def point(directory, *arguments):
+    """An element test with a directory of its own: cases run at the same time."""
+    return ["-scene", "material_point", "-output_dir", f"OUT/{directory}", *arguments]
+
+
+def path(directory, file, *arguments):
+    return point(directory, "-test", "path", "-path_file", file, *arguments)
+
+
 # Arguments and what the message must say. FILES/ is the directory of the files below, OUT/ one for
 # results.
 CASES = [
@@ -72,6 +82,20 @@ CASES = [
     # sense that only a scene can see
     (["-scene", "patch", "-placement", "gauss", "-particles_per_cell_direction", "4",
       "-output_dir", "OUT/gauss"], ["4 particles", "1, 2 or 3"]),
+    # element tests
+    (point("point8", "-test", "path"), ["-test path", "-path_file"]),
+    (point("point9", "-path_file", "FILES/leg.csv"), ["-path_file", "leg.csv", "-test path"]),
+    (path("point1", "FILES/none.csv"), ["-path_file", "none.csv", "is not a file"]),
+    (path("point2", "FILES"), ["-path_file", "is not a file"]),
+    (path("point3", "FILES/binary.opts"), ["-path_file", "binary.opts", "not a text file"]),
+    (path("point4", "FILES/no_legs.csv"), ["-path_file", "no_legs.csv", "has no legs"]),
+    (path("point5", "FILES/word.csv"), ["word.csv:3", "strain_yy", "'much'", "real", "hold"]),
+    (path("point6", "FILES/field.csv"), ["field.csv:2", "3 fields", "4"]),
+    (path("point7", "FILES/leg.csv", "-strain_end", "0.1"), ["-strain_end 0.1", "-test path"]),
+    (point("point10", "-material", "elastic", "-sand_G0", "200"),
+     ["-sand_G0 200", "-material sand"]),
+    (point("point11", "-material", "clay"), ["-material", "clay", "sand", "elastic"]),
+    (point("point12", "-confining_pressure", "0"), ["-confining_pressure 0", "larger"]),
 ]
 FILES = {
     "plain.opts": b"-scene mms1d\n-cells 32\n",
@@ -79,6 +103,10 @@ FILES = {
     "nested.opts": b"-scene mms1d\n-options_file plain.opts\n",
     "binary.opts": bytes(range(256)),
     "prose.txt": b"Dear reader,\nthis is a letter.\n",
+    "leg.csv": b"increments,strain_xx,strain_yy,strain_zz\n5,0,0.1,0\n",
+    "no_legs.csv": b"increments,strain_xx,strain_yy,strain_zz\n",
+    "word.csv": b"increments,strain_xx,strain_yy,strain_zz\n\n5,0,much,0\n",
+    "field.csv": b"increments,strain_xx,strain_yy,strain_zz\n5,0,0.1\n",
     "shared_line.opts": b"-scene mms1d\n-cells 32 -courant 0.3\n",
 }
 # Fits on three ranks: 4 cells and 2 of air, 9 nodes, 3 of them for each rank.

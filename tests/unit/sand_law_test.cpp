@@ -13,70 +13,10 @@
 #include "mpm/core/Errors.hpp"
 #include "mpm/material/ElementTest.hpp"
 #include "mpm/material/SandLaw.hpp"
+#include "support/SandParticle.hpp"
 
 namespace mpm::material {
 namespace {
-
-SandParameters sand_with(double void_ratio, double cohesion) {
-  SandParameters sand;
-  sand.void_ratio = void_ratio;
-  sand.cohesion = cohesion;
-  return sand;
-}
-
-/// One particle driven by strain increments.
-class Particle {
- public:
-  explicit Particle(const SandLaw& law, SymmetricTensor initial_stress)
-      : m_law(law), stress(initial_stress) {
-    law.initialise_from_stress(batch());
-  }
-  Batch batch() {
-    Batch one;
-    one.size = 1;
-    for (std::size_t k = 0; k < 6; ++k) {
-      one.strain_increment.component[k] = &m_strain.components[k];
-      one.stress.component[k] = &stress.components[k];
-    }
-    for (double& value : state) one.state.push_back(&value);
-    return one;
-  }
-  void strain_by(const SymmetricTensor& increment) {
-    m_strain = increment;
-    m_law.update_stress(batch());
-  }
-  void strain_by(const SymmetricTensor& increment, int parts) {
-    for (int k = 0; k < parts; ++k) strain_by((1.0 / parts) * increment);
-  }
-  SurfaceState surface_state() const {
-    const SandInvariants now = m_law.invariants(stress);
-    return {now.p_star, void_ratio(), eps_q(), now.sin3theta};
-  }
-  double q() const { return m_law.invariants(stress).q; }
-  double p_star() const { return m_law.invariants(stress).p_star; }
-  double qhat() const { return m_law.surface().at(surface_state()).qhat; }
-  double void_ratio() const { return state[SandLaw::void_ratio]; }
-  double eps_q() const { return state[SandLaw::eps_q]; }
-  double gap() const { return state[SandLaw::gap_volume_ratio]; }
-
- private:
-  const SandLaw& m_law;
-  SymmetricTensor m_strain;
-
- public:
-  SymmetricTensor stress;
-  std::array<double, 3> state{};
-};
-
-SymmetricTensor principal(double xx, double yy, double zz) {
-  return {{xx, yy, zz, 0, 0, 0}};
-}
-SymmetricTensor isotropic(double pressure) {
-  return principal(-pressure, -pressure, -pressure);
-}
-SymmetricTensor at_rest(double vertical, double K0) {
-  return principal(-K0 * vertical, -vertical, -K0 * vertical);
-}
 
 double friction_angle_deg(double eta) {
   return std::asin(3.0 * eta / (6.0 + eta)) * 180.0 / std::numbers::pi;
@@ -304,13 +244,6 @@ TEST_P(CriticalState, is_reached_at_logarithmic_strain_two) {
 INSTANTIATE_TEST_SUITE_P(SandLaw, CriticalState, ::testing::Values(0.524, 0.657, 0.75));
 
 // Loading, unloading -----------------------------------------------------------------------------
-
-SymmetricTensor random_strain(std::mt19937& generator, double size) {
-  std::normal_distribution<double> normal;
-  SymmetricTensor strain;
-  for (int k = 0; k < 6; ++k) strain[k] = size * normal(generator);
-  return strain;
-}
 
 TEST(SandLaw, stays_on_the_loading_surface_while_the_lode_angle_turns) {
   const SandLaw law(sand_with(0.58, 1000.0));

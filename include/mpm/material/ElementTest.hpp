@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -21,12 +23,20 @@ struct MixedIncrement {
 /// One material point under mixed control, without grid.
 class MaterialPoint {
  public:
-  /// Starts from the isotropic stress -`pressure`, Pa. Throws BadInput where the law does.
+  /// Starts from the isotropic stress -`pressure`, Pa. Throws BadInput where the law does, and
+  /// where it does not keep this stress at rest.
   MaterialPoint(const Material& material, double pressure);
 
   /// Follows the increment in small steps, each solved for the controlled stresses. Throws
   /// NumericalFailure where the law cannot follow.
   void apply(const MixedIncrement& increment);
+
+  /// The path turns: the next step is sought from no strain, not from the step before. Past a peak
+  /// a falling stress has two answers, softening and unloading; this finds the second.
+  void turn() {
+    m_last_step = {};
+    m_tangent = {};
+  }
 
   const SymmetricTensor& stress() const { return m_stress; }  ///< Pa, tension positive
   const SymmetricTensor& strain() const { return m_strain; }  ///< logarithmic, tension positive
@@ -47,6 +57,8 @@ class MaterialPoint {
   SymmetricTensor misfit(const MixedIncrement& increment, const SymmetricTensor& strain,
                          const SymmetricTensor& stress) const;
   Matrix tangent(const MixedIncrement& increment, const SymmetricTensor& strain) const;
+  SymmetricTensor derivative(SymmetricTensor strain, const SymmetricTensor& base, int component,
+                             double difference) const;
   double number_of_steps(const MixedIncrement& increment) const;
 
   const Material& m_material;
@@ -62,7 +74,19 @@ enum class ElementTestKind {
   triaxial_extension,
   plane_strain,
   simple_shear_constant_volume,
-  oedometer
+  oedometer,
+  path
+};
+
+/// A leg of a loading path: from the present state all controlled values go to their targets in
+/// proportion.
+struct PathLeg {
+  std::array<Control, SymmetricTensor::size> control{};
+  /// Stress in Pa or logarithmic strain at the end of the leg, tension positive; nothing holds the
+  /// value that the leg begins with.
+  std::array<std::optional<double>, SymmetricTensor::size> target{};
+  std::size_t increments = 1;
+  std::string origin;  ///< for messages, e.g. "path.csv:4"
 };
 
 struct ElementTestSettings {
@@ -70,20 +94,23 @@ struct ElementTestSettings {
   double confining_pressure = 150e3;  ///< Pa, the initial isotropic p in every test
   double strain_end = 0.3;            ///< axial, or engineering shear strain; a magnitude
   std::size_t increments = 150;
+  std::vector<PathLeg> path{};  ///< of `ElementTestKind::path`, which ignores the two above
 };
 
-/// Compression positive.
+/// Compression positive but for the tensors. Axial is yy, out of plane zz.
 struct ElementTestRow {
   double axial_strain;  ///< logarithmic; engineering shear strain in simple shear
   double q;             ///< Pa
   double p;             ///< Pa
   double volumetric_strain;
-  double void_ratio;      ///< 0 for a law without voids
-  double lode_angle_deg;  ///< -30 in triaxial compression, 0 where q vanishes
+  double void_ratio;       ///< 0 for a law without voids
+  double lode_angle_deg;   ///< -30 in triaxial compression, 0 where q vanishes
+  SymmetricTensor stress;  ///< Pa, tension positive
+  SymmetricTensor strain;  ///< logarithmic, tension positive
 };
 
 /// Row 0 is the initial state, then one row per increment. Throws BadInput where the settings make
-/// no sense and NumericalFailure where the law cannot follow.
+/// no sense and NumericalFailure where the law cannot follow, naming leg and increment.
 std::vector<ElementTestRow> run_element_test(const Material& material,
                                              const ElementTestSettings& settings);
 
