@@ -44,7 +44,7 @@ void ContourReaction<dim>::sample(const particles::ParticleView<dim>& particles,
   for (int p = 0; p < particles.count; ++p) {
     const Proximity<dim> place = body.locate(particles.position_of(p));
     if (place.distance >= m_band.outer) continue;
-    const Cutoff chi_p = cutoff((place.distance - m_band.inner) / width);
+    const Cutoff chi_p = cutoff(share_of_band(place.distance));
     const double chi = chi_p.value;
     const double m = particles.mass[p];
     for (int d = 0; d < dim; ++d) {
@@ -62,6 +62,18 @@ void ContourReaction<dim>::sample(const particles::ParticleView<dim>& particles,
   }
   for (int d = 0; d < dim; ++d) m_force_time[d] += force[d] * dt;
   m_time += dt;
+}
+
+template <int dim>
+void ContourReaction<dim>::sample_surface(const particles::BoundaryView<dim>& boundary,
+                                          const RigidBody<dim>& body, double dt) {
+  for (int b = 0; b < boundary.count; ++b) {
+    const Proximity<dim> place = body.locate(boundary.position_of(b));
+    if (place.distance >= m_band.outer) continue;
+    const double chi = cutoff(share_of_band(place.distance)).value;
+    for (int d = 0; d < dim; ++d)
+      m_force_time[d] -= boundary.pressure[b] * boundary.area[d][b] * chi * dt;
+  }
 }
 
 template <int dim>

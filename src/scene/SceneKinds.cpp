@@ -7,6 +7,7 @@ namespace mpm::scene {
 std::unique_ptr<Scene> make_pipe();
 std::unique_ptr<Scene> make_material_point();
 std::unique_ptr<Scene> make_triaxial();
+std::unique_ptr<Scene> make_biaxial();
 std::unique_ptr<Scene> make_patch();
 std::unique_ptr<Scene> make_mms1d();
 std::unique_ptr<Scene> make_column();
@@ -20,6 +21,7 @@ constexpr std::array kinds{
     SceneKind{"pipe", "a rigid pipe pushed down into sand, plane strain: the main job", &make_pipe},
     SceneKind{"material_point", "element tests of a law, without a grid", &make_material_point},
     SceneKind{"triaxial", "the paper's triaxial element tests in three dimensions", &make_triaxial},
+    SceneKind{"biaxial", "plane-strain compression of sand under a rough plate", &make_biaxial},
     SceneKind{"patch", "constant stress in a box: what is left at nodes and walls", &make_patch},
     SceneKind{"mms1d", "vibrating bar with a manufactured solution at finite strain", &make_mms1d},
     SceneKind{"column", "elastic column under its own weight", &make_column},

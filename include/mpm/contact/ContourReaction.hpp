@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mpm/contact/RigidContact.hpp"
+#include "mpm/particles/BoundaryParticles.hpp"
 #include "mpm/particles/Particles.hpp"
 
 namespace mpm::contact {
@@ -14,6 +15,7 @@ struct ContourBand {
 /// The reaction on a rigid body without asking the contact: the momentum balance of the soil
 /// inside a cut-off chi that moves with the body. Integrated against chi, it reads
 ///   R = -d/dt sum m v chi + sum m v ((v - w).grad chi) - sum V sigma.grad chi + sum m g chi
+///       - sum p a chi
 /// with w the body's velocity; the band in which chi falls is the contour, made as wide as a few
 /// cells so that particle stresses are averaged.
 template <int dim>
@@ -25,10 +27,18 @@ class ContourReaction {
   void sample(const particles::ParticleView<dim>& particles, const RigidBody<dim>& body,
               const Vector<dim>& gravity, double dt);
 
+  /// Adds the pressure on the body's own surface with the weight `dt`. Local.
+  void sample_surface(const particles::BoundaryView<dim>& boundary, const RigidBody<dim>& body,
+                      double dt);
+
   /// Mean reaction since the last call, N (per metre in plane strain). Collective.
   Vector<dim> take_mean();
 
  private:
+  double share_of_band(double distance) const {
+    return (distance - m_band.inner) / (m_band.outer - m_band.inner);
+  }
+
   ContourBand m_band;
   Vector<dim> m_force_time{};      ///< integral of the force terms over time
   Vector<dim> m_momentum{};        ///< sum m v chi of the last sample
