@@ -18,8 +18,17 @@ void RunOptions::declare(options::OptionSet& options) {
        "docs/model.md"});
   options.choice("update", m_update, {{"musl", OnlyOne::house}},
                  {"", "order of the step: modified update stress last", "Eqs. 1-9"});
-  options.choice("transfer", m_transfer, {{"flip", OnlyOne::house}},
-                 {"", "how grid motion reaches the particles", "Eq. 7"});
+  options.choice("transfer", transfer, {{"flip", Transfer::flip}, {"pic", Transfer::pic}},
+                 {"",
+                  "how grid motion reaches the particles: by its change, or by itself, which damps "
+                  "the more the smaller the step",
+                  "Eq. 7"});
+  options.optional_real(
+      "flip_time", flip_time, options::positive(), "pure FLIP",
+      {"s",
+       "time in which particle velocities turn into the grid's: keeps exp(-dt/tau) per step; "
+       "without meaning for pic",
+       "docs/model.md"});
   options.real(
       "courant", courant, {.minimum = 0.0, .maximum = 2.0, .open_minimum = true},
       {"1", "time step as a share of h/(c + |v|), h the smallest knot span near a particle",

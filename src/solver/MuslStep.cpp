@@ -51,7 +51,8 @@ StepReport MuslStep<dim, Basis>::advance(const RunState& state, const StepOption
   m_rates.copy_to_ghosts();
 
   m_remapped.set_to_zero();
-  transfer::update_velocities_and_deposit_momentum(particles, stencil, state.momentum_dt(), rates,
+  transfer::update_velocities_and_deposit_momentum(particles, stencil, state.momentum_dt(),
+                                                   options.flip_share(state.momentum_dt()), rates,
                                                    remapped);  // (7), (9)
   m_remapped.sum_to_owners();
   constrain_remapped_momentum();

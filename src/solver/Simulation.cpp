@@ -53,6 +53,7 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
       m_courant(setup.courant),
       m_dt_limit(no_limit) {
   m_options.body_force.uniform = setup.gravity;
+  m_options.flip_time = setup.flip_time;
   seed(setup);
 }
 

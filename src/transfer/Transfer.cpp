@@ -29,6 +29,16 @@ SymmetricTensor stress_of(const particles::ParticleView<dim>& particles, int p) 
   return stress;
 }
 
+/// sum u_I N_I.
+template <int dim, class Basis>
+Vector<dim> interpolate(const Stencil<dim, Basis>& stencil, const std::array<double*, dim>& u) {
+  Vector<dim> sum{};
+  stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>&) {
+    for (int d = 0; d < dim; ++d) sum[d] += u[d][I] * N;
+  });
+  return sum;
+}
+
 template <int dim>
 Vector<dim> body_acceleration(const particles::ParticleView<dim>& particles,
                               const BodyForce<dim>& body_force, int p) {
@@ -96,21 +106,22 @@ void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
 template <int dim, class Basis>
 void update_velocities_and_deposit_momentum(const particles::ParticleView<dim>& particles,
                                             Stencil<dim, Basis> stencil, double dt,
+                                            double flip_share,
                                             const VelocityAcceleration<dim>& nodes,
                                             const NodalVector<dim>& momentum) {
   for (int p = 0; p < particles.count; ++p) {
     stencil.move_to(particles.position_of(p));
-    Vector<dim> a_p{};
-    stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>&) {
-      for (int d = 0; d < dim; ++d) a_p[d] += nodes.acceleration[d][I] * N;
-    });
-    Vector<dim> mv_p;
-    for (int d = 0; d < dim; ++d) {
-      particles.velocity[d][p] += a_p[d] * dt;
-      mv_p[d] = particles.mass[p] * particles.velocity[d][p];
+    const Vector<dim> a_p = interpolate<dim, Basis>(stencil, nodes.acceleration);
+    Vector<dim> v_p = particles.velocity_of(p);
+    for (int d = 0; d < dim; ++d) v_p[d] += a_p[d] * dt;
+    if (flip_share < 1.0) {
+      const Vector<dim> v_grid = interpolate<dim, Basis>(stencil, nodes.velocity);
+      for (int d = 0; d < dim; ++d) v_p[d] = flip_share * v_p[d] + (1.0 - flip_share) * v_grid[d];
     }
+    const double m_p = particles.mass[p];
+    for (int d = 0; d < dim; ++d) particles.velocity[d][p] = v_p[d];
     stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>&) {
-      for (int d = 0; d < dim; ++d) momentum.value[d][I] += mv_p[d] * N;
+      for (int d = 0; d < dim; ++d) momentum.value[d][I] += m_p * v_p[d] * N;
     });
   }
 }
@@ -228,7 +239,7 @@ void rotate_and_expand(const particles::ParticleView<dim>& particles,
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, const BodyForce<dim>&,   \
       const MassMomentumForce<dim>&);                                                    \
   template void update_velocities_and_deposit_momentum<dim, Basis>(                      \
-      const particles::ParticleView<dim>&, Stencil<dim, Basis>, double,                  \
+      const particles::ParticleView<dim>&, Stencil<dim, Basis>, double, double,          \
       const VelocityAcceleration<dim>&, const NodalVector<dim>&);                        \
   template Drift gather_increments_and_move<dim, Basis>(                                 \
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, double,                  \

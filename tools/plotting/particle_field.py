@@ -22,7 +22,7 @@ def nearest_distances(points, triangles, lengths):
     return nearest
 
 
-def triangulate(points, hole=None):
+def triangulate(points, hole=None, longest_side=LONGEST_SIDE):
     """Delaunay triangulation without the triangles that cross empty space. `hole` is a function of
     triangle centres, true where there is no material. None when the points span no area."""
     try:
@@ -33,7 +33,7 @@ def triangulate(points, hole=None):
     spacing = nearest_distances(points, mesh.triangles, lengths)
     # Smoothed, since two particles may happen to be very close.
     spacing = np.maximum(spacing, 0.5 * np.median(spacing))
-    empty = lengths.max(axis=1) > LONGEST_SIDE * spacing[mesh.triangles].max(axis=1)
+    empty = lengths.max(axis=1) > longest_side * spacing[mesh.triangles].max(axis=1)
     if hole is not None:
         empty |= hole(points[mesh.triangles].mean(axis=1))
     mesh.set_mask(empty)

@@ -95,3 +95,7 @@ def table_row(job, job_dir, options):
         "settings": " ".join(f"-{name} {value}" for name, value in options.items()),
         "commit": summary["git_hash"],
     }
+
+
+STUDIES = {"readings": jobs}
+RANKS = 1

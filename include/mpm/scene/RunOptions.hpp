@@ -10,6 +10,8 @@
 
 namespace mpm::scene {
 
+/// How grid motion reaches the particles.
+enum class Transfer { flip, pic };
 enum class ProgressDisplay { automatic, on, off };
 
 /// Options that every scene on a grid has. A scene sets its own defaults before declaring them.
@@ -17,6 +19,8 @@ struct RunOptions {
   std::string output_dir;
   basis::Kind basis = basis::Kind::cubic;
   basis::EndTreatment ends = basis::EndTreatment::mirror;
+  Transfer transfer = Transfer::flip;
+  std::optional<double> flip_time;  ///< s
   double courant = 0.9;
   std::int64_t particles_per_cell_direction = 2;
   std::int64_t particle_output_every = 0;
@@ -33,13 +37,14 @@ struct RunOptions {
     setup.basis = basis;
     setup.ends = ends;
     setup.courant = courant;
+    if (flip_time) setup.flip_time = *flip_time;
+    if (transfer == Transfer::pic) setup.flip_time = 0.0;
   }
 
  private:
   // One choice each so far; a second one makes them real alternatives.
   enum class OnlyOne { house };
   OnlyOne m_update = OnlyOne::house;
-  OnlyOne m_transfer = OnlyOne::house;
 };
 
 }  // namespace mpm::scene

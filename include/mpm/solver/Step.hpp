@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -20,6 +22,11 @@ template <int dim>
 struct StepOptions {
   transfer::BodyForce<dim> body_force;
   double damping = 0.0;  ///< local damping: f -= damping |f| sign(v) per component
+  /// Time tau in which particle velocities turn into the grid's, s: FLIP keeps exp(-dt/tau) of
+  /// them per step; infinite is pure FLIP, 0 pure PIC.
+  double flip_time = std::numeric_limits<double>::infinity();
+
+  double flip_share(double dt) const { return flip_time > 0.0 ? std::exp(-dt / flip_time) : 0.0; }
 };
 
 /// What a rank found out in a step; ranks have to agree on it before they act.

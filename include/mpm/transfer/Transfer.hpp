@@ -81,11 +81,13 @@ void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
                                  Stencil<dim, Basis> stencil, const BodyForce<dim>& body_force,
                                  const MassMomentumForce<dim>& nodes);
 
-/// v_p += sum a_I N_Ip dt (Eq. 7), then p_I += m_p v_p N_Ip from the new velocities (Eq. 9).
-/// Reads ghosts of the acceleration.
+/// v_p += sum a_I N_Ip dt (Eq. 7), then p_I += m_p v_p N_Ip from the new velocities (Eq. 9). A
+/// share 1 - `flip_share` of v_p is replaced by the grid's sum v_I N_Ip (PIC), which lets motion
+/// die out that the grid cannot see. Reads ghosts of both.
 template <int dim, class Basis>
 void update_velocities_and_deposit_momentum(const particles::ParticleView<dim>& particles,
                                             Stencil<dim, Basis> stencil, double dt,
+                                            double flip_share,
                                             const VelocityAcceleration<dim>& nodes,
                                             const NodalVector<dim>& momentum);
 

@@ -1,0 +1,52 @@
+"""Biaxial compression with the paper's four combinations of cells and particles."""
+
+import json
+
+CASES = {"C4": (0.125, 2), "M4": (0.1, 2), "M9": (0.1, 3), "F4": (0.0625, 2)}
+STRAINS = {"stress_peak_kPa": "stress_peak_Pa", "stress_residual_kPa": "stress_residual_Pa"}
+
+
+def paper_jobs():
+    for case, (cell, per_direction) in CASES.items():
+        yield case, {"scene": "biaxial", "cell_size": cell,
+                     "particles_per_cell_direction": per_direction}
+
+
+def reading_jobs():
+    """Case M4 with the three readings of Eq. 12."""
+    for reading in ("normalized", "explicit", "plain"):
+        yield reading, {"scene": "biaxial", "sand_softening": reading}
+
+
+def numerics_jobs():
+    """Case M4 with other numerical choices, one at a time."""
+    house = {"scene": "biaxial"}
+    yield "house", house
+    for flip_time in (1e9, 0.1, 0.003):
+        yield f"flip_time{flip_time:g}", house | {"flip_time": flip_time}
+    yield "open_knot", house | {"basis_boundary": "open_knot"}
+    yield "quadratic", house | {"basis": "quadratic"}
+    yield "linear", house | {"basis": "linear"}
+    yield "velocity0.1", house | {"biaxial_velocity": 0.1}
+    yield "courant0.3", house | {"courant": 0.3}
+    yield "smooth_plate", house | {"contact_friction": 0}
+
+
+def table_row(job, job_dir, options):
+    summary = json.loads((job_dir / "summary.json").read_text(encoding="utf-8"))
+    row = {"job": job}
+    for name, key in STRAINS.items():
+        row[name] = f"{summary[key] / 1e3:.5g}"
+    row["strain_at_peak"] = f"{summary['strain_at_peak']:.4g}"
+    row["reaction_difference_rms"] = f"{summary['reaction_difference_rms']:.3g}"
+    for key in ("particles", "steps", "ranks"):
+        row[key] = summary[key]
+    row["wall_s"] = f"{summary['wall_s']:.1f}"
+    row["settings"] = " ".join(f"-{name} {value}" for name, value in options.items())
+    row["commit"] = summary["git_hash"]
+    return row
+
+
+STUDIES = {"biaxial": paper_jobs, "biaxial_readings": reading_jobs,
+           "biaxial_numerics": numerics_jobs}
+RANKS = 2

@@ -1,0 +1,97 @@
+"""How the pipe's resistance depends on numerical choices: N_d at given u/D, settings, run time."""
+
+import csv
+import json
+
+from . import readings
+
+DISPLACEMENTS = (0.05, 0.1, 0.2)
+
+MEDIUM_500 = {
+    "scene": "pipe", "pipe_diameter": 0.5, "sand_void_ratio": 0.657, "pipe_velocity": 0.7,
+    "pipe_end_displacement": 0.205, "pipe_far_cell_ratio": 4,
+}
+DENSE_37 = {"scene": "pipe", "pipe_end_displacement": 0.205, "pipe_far_cell_ratio": 4}
+HOUSE = DENSE_37 | {"pipe_domain_width": 20, "pipe_domain_depth_below": 14}  # input/pipe.opts
+
+
+def contact_jobs():
+    """Resistance against cell size for both ways to find contact."""
+    for detection, sizes in (("gap", (6, 8, 12, 16)), ("velocity", (6, 8, 12))):
+        for cells in sizes:
+            yield f"{detection}_{cells}", MEDIUM_500 | {
+                "contact_detection": detection, "pipe_cells_per_diameter": cells}
+    yield "velocity_gradient_8", MEDIUM_500 | {
+        "contact_detection": "velocity", "contact_normal": "gradient",
+        "pipe_cells_per_diameter": 8}
+
+
+def domain_jobs():
+    """Resistance against the size of the domain, cells growing to four times the near ones."""
+    for width, depth in ((7, 8.5), (14, 6.5), (14, 8.5), (14, 14), (20, 14), (28, 14), (28, 20),
+                         (40, 28)):
+        yield f"width{width}_depth{depth}", DENSE_37 | {
+            "pipe_cells_per_diameter": 6, "pipe_domain_width": width,
+            "pipe_domain_depth_below": depth}
+    yield "width14_depth8.5_uniform", DENSE_37 | {
+        "pipe_cells_per_diameter": 6, "pipe_domain_width": 14, "pipe_domain_depth_below": 8.5,
+        "pipe_far_cell_ratio": 1}
+
+
+def velocity_jobs():
+    """Resistance against the loading velocity."""
+    for velocity in (0.05, 0.1, 0.2, 0.4):
+        yield f"velocity{velocity}", HOUSE | {
+            "pipe_cells_per_diameter": 6, "pipe_velocity": velocity}
+
+
+def courant_jobs():
+    """Resistance against the Courant number."""
+    for courant in (0.3, 0.6, 0.9, 1.2):
+        yield f"courant{courant}", HOUSE | {"pipe_cells_per_diameter": 6, "courant": courant}
+
+
+def cell_jobs():
+    """Resistance of input/pipe.opts against cell size, particles per cell and wall treatment."""
+    for cells in (4, 6, 8, 12):
+        yield f"cells{cells}", HOUSE | {"pipe_cells_per_diameter": cells}
+    yield "cells6_particles3", HOUSE | {
+        "pipe_cells_per_diameter": 6, "particles_per_cell_direction": 3}
+    yield "cells6_open_knot", HOUSE | {
+        "pipe_cells_per_diameter": 6, "basis_boundary": "open_knot",
+        "geostatic_stress_tolerance": 0.05}
+
+
+def softening_jobs():
+    """Resistance of input/pipe.opts against the reading of Eq. 12."""
+    for reading in readings.READINGS:
+        yield reading, HOUSE | {"pipe_cells_per_diameter": 6, "sand_softening": reading,
+                               "pipe_end_displacement": 0.9}
+
+
+def resistance_at(job_dir, displacement):
+    """Mean of N_d over the 0.01 in u/D around the displacement."""
+    with open(job_dir / "history.csv", encoding="utf-8") as file:
+        near = [float(row["N_d"]) for row in csv.DictReader(file)
+                if abs(float(row["u_over_D"]) - displacement) <= 0.005 + 1e-9]
+    return sum(near) / len(near)
+
+
+def table_row(job, job_dir, options):
+    summary = json.loads((job_dir / "summary.json").read_text(encoding="utf-8"))
+    row = {"job": job} | {f"N_d_at_{u}": f"{resistance_at(job_dir, u):.4g}" for u in DISPLACEMENTS}
+    if options.get("pipe_end_displacement", 0.0) > 0.5:  # far enough for a failure threshold
+        row |= {"N_d_at_0.4": f"{resistance_at(job_dir, 0.4):.4g}"}
+        row |= {key: summary[key] for key in ("N_df", "u_df_over_D")}
+    row["reaction_difference_rms"] = f"{summary['reaction_difference_rms']:.3g}"
+    for key in ("particles", "steps", "ranks"):
+        row[key] = summary[key]
+    row["wall_s"] = f"{summary['wall_s']:.1f}"
+    row["settings"] = " ".join(f"-{name} {value}" for name, value in options.items())
+    row["commit"] = summary["git_hash"]
+    return row
+
+
+STUDIES = {"contact": contact_jobs, "domain": domain_jobs, "velocity": velocity_jobs,
+           "courant": courant_jobs, "cells": cell_jobs, "softening": softening_jobs}
+RANKS = 2
