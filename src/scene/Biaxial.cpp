@@ -37,7 +37,7 @@ struct BiaxialOptions {
   double gap_cells = 0.6;
   double damping = 0.7;
   double tolerance = 1e-3;
-  std::vector<double> points{0.0, 1.75, 0.0, 1.0};  ///< x and y of two particles to be watched, m
+  std::vector<double> points{0.0, 1.5, 0.0, 1.2};  ///< x and y of two particles to be watched, m
 
   BiaxialOptions();
   void declare(options::OptionSet& options);
