@@ -16,8 +16,14 @@ void RunOptions::declare(options::OptionSet& options) {
        "splines at the ends of the grid: reflected, or end knots repeated as in the "
        "paper",
        "docs/model.md"});
-  options.choice("update", m_update, {{"musl", OnlyOne::house}},
-                 {"", "order of the step: modified update stress last", "Eqs. 1-9"});
+  options.choice(
+      "update", scheme,
+      {{"musl", solver::Scheme::musl}, {"usl", solver::Scheme::usl}, {"usf", solver::Scheme::usf}},
+      {"",
+       "when stress is renewed: last, from velocities mapped anew (musl, the paper) or from those "
+       "of "
+       "the momentum update (usl), or first (usf)",
+       "Eqs. 1-9; docs/model.md"});
   options.choice("transfer", transfer, {{"flip", Transfer::flip}, {"pic", Transfer::pic}},
                  {"",
                   "how grid motion reaches the particles: by its change, or by itself, which damps "

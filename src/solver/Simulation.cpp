@@ -59,9 +59,9 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
 
 template <int dim>
 std::unique_ptr<Step<dim>> Simulation<dim>::make_step(const SimulationSetup<dim>& setup) {
-  return basis::with_basis(setup.basis, [&]<class Basis>() -> std::unique_ptr<Step<dim>> {
-    return std::make_unique<MuslStep<dim, Basis>>(*m_grid, bases<dim, Basis>(setup), m_walls,
-                                                  *m_particles, *m_boundary, m_conditions);
+  return basis::with_basis(setup.basis, [&]<class Basis>() {
+    return solver::make_step<dim, Basis>(setup.scheme, {*m_grid, bases<dim, Basis>(setup), m_walls,
+                                                        *m_particles, *m_boundary, m_conditions});
   });
 }
 

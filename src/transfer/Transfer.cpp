@@ -103,6 +103,30 @@ void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
   }
 }
 
+/// The particle's velocity after Eq. 7, a share of it the grid's own.
+template <int dim, class Basis>
+Vector<dim> updated_velocity(const Vector<dim>& old, const Stencil<dim, Basis>& stencil, double dt,
+                             double flip_share, const VelocityAcceleration<dim>& nodes) {
+  const Vector<dim> a_p = interpolate<dim, Basis>(stencil, nodes.acceleration);
+  Vector<dim> v_p = old;
+  for (int d = 0; d < dim; ++d) v_p[d] += a_p[d] * dt;
+  if (flip_share >= 1.0) return v_p;
+  const Vector<dim> v_grid = interpolate<dim, Basis>(stencil, nodes.velocity);
+  for (int d = 0; d < dim; ++d) v_p[d] = flip_share * v_p[d] + (1.0 - flip_share) * v_grid[d];
+  return v_p;
+}
+
+template <int dim, class Basis>
+void update_velocities(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
+                       double dt, double flip_share, const VelocityAcceleration<dim>& nodes) {
+  for (int p = 0; p < particles.count; ++p) {
+    stencil.move_to(particles.position_of(p));
+    const Vector<dim> v_p =
+        updated_velocity<dim, Basis>(particles.velocity_of(p), stencil, dt, flip_share, nodes);
+    for (int d = 0; d < dim; ++d) particles.velocity[d][p] = v_p[d];
+  }
+}
+
 template <int dim, class Basis>
 void update_velocities_and_deposit_momentum(const particles::ParticleView<dim>& particles,
                                             Stencil<dim, Basis> stencil, double dt,
@@ -111,13 +135,8 @@ void update_velocities_and_deposit_momentum(const particles::ParticleView<dim>& 
                                             const NodalVector<dim>& momentum) {
   for (int p = 0; p < particles.count; ++p) {
     stencil.move_to(particles.position_of(p));
-    const Vector<dim> a_p = interpolate<dim, Basis>(stencil, nodes.acceleration);
-    Vector<dim> v_p = particles.velocity_of(p);
-    for (int d = 0; d < dim; ++d) v_p[d] += a_p[d] * dt;
-    if (flip_share < 1.0) {
-      const Vector<dim> v_grid = interpolate<dim, Basis>(stencil, nodes.velocity);
-      for (int d = 0; d < dim; ++d) v_p[d] = flip_share * v_p[d] + (1.0 - flip_share) * v_grid[d];
-    }
+    const Vector<dim> v_p =
+        updated_velocity<dim, Basis>(particles.velocity_of(p), stencil, dt, flip_share, nodes);
     const double m_p = particles.mass[p];
     for (int d = 0; d < dim; ++d) particles.velocity[d][p] = v_p[d];
     stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>&) {
@@ -128,9 +147,9 @@ void update_velocities_and_deposit_momentum(const particles::ParticleView<dim>& 
 
 template <int dim, class Basis>
 Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
-                                 Stencil<dim, Basis> stencil, double dt,
+                                 Stencil<dim, Basis> stencil, const AdvanceTimes& dt,
                                  const VelocityAcceleration<dim>& nodes,
-                                 const NodalVector<dim>& remapped_velocity,
+                                 const NodalVector<dim>& strain_velocity,
                                  const grid::Grid<dim>& grid, Increments& increments) {
   Drift drift;
   increments.resize(static_cast<std::size_t>(particles.count), dim);
@@ -142,25 +161,25 @@ Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
     stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>& gradient) {
       for (int i = 0; i < dim; ++i) {
         v[i] += nodes.velocity[i][I] * N;
-        for (int j = 0; j < dim; ++j) L[i][j] += remapped_velocity.value[i][I] * gradient[j];
+        for (int j = 0; j < dim; ++j) L[i][j] += strain_velocity.value[i][I] * gradient[j];
       }
     });
     Vector<dim> x = particles.position_of(p);
     for (int i = 0; i < dim; ++i) {
-      x[i] += v[i] * dt;
+      x[i] += v[i] * dt.move;
       particles.position[i][p] = x[i];
-      particles.displacement[i][p] += v[i] * dt;
-      increments.strain[i][p] = L[i][i] * dt;
+      particles.displacement[i][p] += v[i] * dt.move;
+      increments.strain[i][p] = L[i][i] * dt.strain;
     }
     if constexpr (dim >= 2) {
-      increments.strain[3][p] = 0.5 * (L[0][1] + L[1][0]) * dt;
-      increments.spin[0][p] = 0.5 * (L[0][1] - L[1][0]) * dt;
+      increments.strain[3][p] = 0.5 * (L[0][1] + L[1][0]) * dt.strain;
+      increments.spin[0][p] = 0.5 * (L[0][1] - L[1][0]) * dt.strain;
     }
     if constexpr (dim == 3) {
-      increments.strain[4][p] = 0.5 * (L[1][2] + L[2][1]) * dt;
-      increments.strain[5][p] = 0.5 * (L[0][2] + L[2][0]) * dt;
-      increments.spin[1][p] = 0.5 * (L[1][2] - L[2][1]) * dt;
-      increments.spin[2][p] = 0.5 * (L[0][2] - L[2][0]) * dt;
+      increments.strain[4][p] = 0.5 * (L[1][2] + L[2][1]) * dt.strain;
+      increments.strain[5][p] = 0.5 * (L[0][2] + L[2][0]) * dt.strain;
+      increments.spin[1][p] = 0.5 * (L[1][2] - L[2][1]) * dt.strain;
+      increments.spin[2][p] = 0.5 * (L[0][2] - L[2][0]) * dt.strain;
     }
     const auto cell = grid.cell_of(x);
     if (!reachable.contains(cell)) {
@@ -241,8 +260,11 @@ void rotate_and_expand(const particles::ParticleView<dim>& particles,
   template void update_velocities_and_deposit_momentum<dim, Basis>(                      \
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, double, double,          \
       const VelocityAcceleration<dim>&, const NodalVector<dim>&);                        \
+  template void update_velocities<dim, Basis>(const particles::ParticleView<dim>&,       \
+                                              Stencil<dim, Basis>, double, double,       \
+                                              const VelocityAcceleration<dim>&);         \
   template Drift gather_increments_and_move<dim, Basis>(                                 \
-      const particles::ParticleView<dim>&, Stencil<dim, Basis>, double,                  \
+      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const AdvanceTimes&,     \
       const VelocityAcceleration<dim>&, const NodalVector<dim>&, const grid::Grid<dim>&, \
       Increments&);
 #define MPM_INSTANTIATE_FOR_DIMENSION(dim)   \

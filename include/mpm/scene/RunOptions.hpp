@@ -19,6 +19,7 @@ struct RunOptions {
   std::string output_dir;
   basis::Kind basis = basis::Kind::cubic;
   basis::EndTreatment ends = basis::EndTreatment::mirror;
+  solver::Scheme scheme = solver::Scheme::musl;
   Transfer transfer = Transfer::flip;
   std::optional<double> flip_time;  ///< s
   double courant = 0.9;
@@ -36,15 +37,11 @@ struct RunOptions {
   void apply_to(solver::SimulationSetup<dim>& setup) const {
     setup.basis = basis;
     setup.ends = ends;
+    setup.scheme = scheme;
     setup.courant = courant;
     if (flip_time) setup.flip_time = *flip_time;
     if (transfer == Transfer::pic) setup.flip_time = 0.0;
   }
-
- private:
-  // One choice each so far; a second one makes them real alternatives.
-  enum class OnlyOne { house };
-  OnlyOne m_update = OnlyOne::house;
 };
 
 }  // namespace mpm::scene

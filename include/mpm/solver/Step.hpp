@@ -61,40 +61,26 @@ class Step {
 template <int dim>
 using Conditions = std::vector<grid::NodalCondition<dim>*>;
 
-/// Modified update stress last, central differences (Eqs. 1-9).
+/// What a step works on; all must outlive it.
 template <int dim, class Basis>
-class MuslStep : public Step<dim> {
- public:
-  /// Collective. All that is referred to must outlive the step.
-  MuslStep(const grid::Grid<dim>& grid, std::array<Basis, dim> bases, const grid::Walls<dim>& walls,
-           particles::Particles<dim>& particles, particles::BoundaryParticles<dim>& boundary,
-           const Conditions<dim>& conditions);
-
-  StepReport advance(const RunState& state, const StepOptions<dim>& options) override;
-  double smallest_transit_time() const override;
-  double unbalanced_force() const override { return m_unbalanced_force; }
-  const transfer::PointDeposit<dim>& point_deposit() const override { return m_point_deposit; }
-  const grid::NodalField<dim>& nodal_sums() const override { return m_sums; }
-
- private:
-  void update_momentum(const RunState& state, double damping);
-  void apply_damping(double damping, double dt);
-  void compute_velocity_and_acceleration();
-  void constrain_remapped_momentum();
-  int update_stress(const particles::ParticleView<dim>& view);
-
-  const grid::Grid<dim>& m_grid;
-  std::array<Basis, dim> m_bases;
-  const grid::Walls<dim>& m_walls;
-  particles::Particles<dim>& m_particles;
-  particles::BoundaryParticles<dim>& m_boundary;
-  const Conditions<dim>& m_conditions;
-  transfer::BasisDeposit<dim, Basis> m_point_deposit;
-  grid::NodalField<dim> m_sums;      ///< mass, momentum, force
-  grid::NodalField<dim> m_rates;     ///< velocity, acceleration
-  grid::NodalField<dim> m_remapped;  ///< momentum of Eq. 9, then its velocity
-  transfer::Increments m_increments;
-  double m_unbalanced_force = 0.0;
+struct StepParts {
+  const grid::Grid<dim>& grid;
+  std::array<Basis, dim> bases;
+  const grid::Walls<dim>& walls;
+  particles::Particles<dim>& particles;
+  particles::BoundaryParticles<dim>& boundary;
+  const Conditions<dim>& conditions;
 };
+
+/// Which velocities strain the particles, and when their stress is renewed.
+enum class Scheme {
+  musl,  ///< modified update stress last: nodal velocities mapped anew from the particles (Eq. 9)
+  usl,   ///< update stress last: nodal velocities of Eq. 6
+  usf    ///< update stress first: nodal velocities of the step's start, before the forces
+};
+
+/// The one table of schemes: makes the step of a scheme.
+template <int dim, class Basis>
+std::unique_ptr<Step<dim>> make_step(Scheme scheme, const StepParts<dim, Basis>& parts);
 
 }  // namespace mpm::solver

@@ -43,6 +43,7 @@ struct VelocityAcceleration {
 /// Slices of a nodal field read as one vector.
 template <int dim>
 struct NodalVector {
+  NodalVector(const std::array<double*, dim>& components) : value(components) {}
   explicit NodalVector(grid::NodalField<dim>& field) {
     for (int d = 0; d < dim; ++d) value[d] = field.values(d);
   }
@@ -91,13 +92,24 @@ void update_velocities_and_deposit_momentum(const particles::ParticleView<dim>& 
                                             const VelocityAcceleration<dim>& nodes,
                                             const NodalVector<dim>& momentum);
 
-/// Strain and spin increments from the remapped velocity, then x_p += sum v_I N_Ip dt from the
-/// first one (Eq. 8). Both use the weights of the old position. Reads ghosts of both.
+/// v_p += sum a_I N_Ip dt (Eq. 7) alone.
+template <int dim, class Basis>
+void update_velocities(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
+                       double dt, double flip_share, const VelocityAcceleration<dim>& nodes);
+
+/// Times over which particles are strained and moved, s: the same but where stress comes first.
+struct AdvanceTimes {
+  double strain;
+  double move;
+};
+
+/// Strain and spin increments from `strain_velocity`, then x_p += sum v_I N_Ip dt from that of
+/// `nodes` (Eq. 8). Both use the weights of the old position. Reads ghosts of both.
 template <int dim, class Basis>
 Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
-                                 Stencil<dim, Basis> stencil, double dt,
+                                 Stencil<dim, Basis> stencil, const AdvanceTimes& dt,
                                  const VelocityAcceleration<dim>& nodes,
-                                 const NodalVector<dim>& remapped_velocity,
+                                 const NodalVector<dim>& strain_velocity,
                                  const grid::Grid<dim>& grid, Increments& increments);
 
 /// sigma <- Q sigma Q^T with Q = (1 - W dt/2)^-1 (1 + W dt/2) (Hughes and Winget), which keeps

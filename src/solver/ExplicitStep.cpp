@@ -1,0 +1,216 @@
+#include "ExplicitStep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mpm/basis/Bases.hpp"
+
+namespace mpm::solver {
+namespace {
+
+double sign(double value) {
+  return value > 0.0 ? 1.0 : (value < 0.0 ? -1.0 : 0.0);
+}
+
+}  // namespace
+
+template <int dim, class Basis>
+ExplicitStep<dim, Basis>::ExplicitStep(const StepParts<dim, Basis>& parts)
+    : m_parts(parts),
+      m_point_deposit(m_parts.grid, m_parts.bases),
+      m_sums(parts.grid, transfer::MassMomentumForce<dim>::components()),
+      m_rates(parts.grid, transfer::VelocityAcceleration<dim>::components()),
+      m_remapped(parts.grid, transfer::NodalVector<dim>::components()) {}
+
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::deposit(const View& particles, const StepOptions<dim>& options) {
+  const transfer::MassMomentumForce<dim> sums(m_sums);
+  m_sums.set_to_zero();
+  transfer::deposit_mass_momentum_force<dim, Basis>(particles, stencil(), options.body_force, sums);
+  if (!m_parts.boundary.is_empty())
+    transfer::deposit_surface_load<dim, Basis>(m_parts.boundary.view(), stencil(), sums);
+  m_sums.sum_to_owners();
+}
+
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::update_velocities(const View& particles, const RunState& state,
+                                                 const StepOptions<dim>& options) {
+  const double dt = state.momentum_dt();
+  transfer::update_velocities<dim, Basis>(particles, stencil(), dt, options.flip_share(dt),
+                                          transfer::VelocityAcceleration<dim>(m_rates));
+}
+
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::update_velocities_and_remap(const View& particles,
+                                                           const RunState& state,
+                                                           const StepOptions<dim>& options) {
+  const double dt = state.momentum_dt();
+  m_remapped.set_to_zero();
+  transfer::update_velocities_and_deposit_momentum<dim, Basis>(
+      particles, stencil(), dt, options.flip_share(dt),
+      transfer::VelocityAcceleration<dim>(m_rates), remapped_velocity());
+  m_remapped.sum_to_owners();
+  constrain_remapped_momentum();
+  m_remapped.copy_to_ghosts();
+}
+
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::take_deposited_velocities() {
+  const transfer::MassMomentumForce<dim> sums(m_sums);
+  const transfer::NodalVector<dim> remapped = remapped_velocity();
+  m_parts.grid.for_each_owned_node([&](int I, const auto&) {
+    for (int d = 0; d < dim; ++d) remapped.value[d][I] = sums.momentum[d][I];
+  });
+  m_parts.walls.fold(m_parts.grid, m_sums);
+  for (auto* condition : m_parts.conditions) condition->begin_step();
+  constrain_remapped_momentum();
+  m_remapped.copy_to_ghosts();
+}
+
+template <int dim, class Basis>
+StepReport ExplicitStep<dim, Basis>::strain_and_move(
+    const View& particles, const transfer::AdvanceTimes& dt,
+    const transfer::NodalVector<dim>& strain_velocity) {
+  const transfer::VelocityAcceleration<dim> rates(m_rates);
+  const transfer::Drift drift = transfer::gather_increments_and_move<dim, Basis>(
+      particles, stencil(), dt, rates, strain_velocity, m_parts.grid, m_increments);
+  StepReport report{drift.must_migrate, drift.lost};
+  if (dt.strain > 0.0) {
+    transfer::rotate_and_expand(particles, m_increments);
+    const int broken = update_stress(particles);
+    if (report.broken_particle < 0) report.broken_particle = broken;
+  }
+  if (dt.move > 0.0 && !m_parts.boundary.is_empty())
+    report.must_migrate |=
+        transfer::move_surface<dim, Basis>(m_parts.boundary.view(), m_parts.grid, stencil(),
+                                           dt.move, rates, strain_velocity)
+            .must_migrate;
+  return report;
+}
+
+/// p_I += f_I dt (Eq. 6) with walls, rigid bodies and damping; then v_I = p_I/m_I, a_I = f_I/m_I.
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::update_momentum(const RunState& state, double damping) {
+  const transfer::MassMomentumForce<dim> sums(m_sums);
+  const double dt = state.momentum_dt();
+  m_parts.walls.fold(m_parts.grid, m_sums);
+  m_parts.grid.for_each_owned_node([&](int I, const auto&) {
+    for (int d = 0; d < dim; ++d) sums.momentum[d][I] += sums.force[d][I] * dt;
+  });
+  for (auto* condition : m_parts.conditions) condition->begin_step();
+  for (auto* condition : m_parts.conditions)
+    condition->correct(m_parts.grid, {sums.mass, sums.momentum, sums.force, dt});
+  m_parts.walls.hold(m_parts.grid, m_sums);
+  m_unbalanced_force = 0.0;
+  m_parts.grid.for_each_owned_node([&](int I, const auto&) {
+    double square = 0.0;
+    for (int d = 0; d < dim; ++d) square += sums.force[d][I] * sums.force[d][I];
+    m_unbalanced_force += std::sqrt(square);
+  });
+  if (damping > 0.0) apply_damping(damping, dt);
+  compute_velocity_and_acceleration();
+  m_rates.copy_to_ghosts();
+}
+
+/// Local damping of the force that is left after walls and rigid bodies. Nodes in contact are
+/// left out: damping there would show up in the reaction.
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::apply_damping(double damping, double dt) {
+  const transfer::MassMomentumForce<dim> sums(m_sums);
+  m_parts.grid.for_each_owned_node([&](int I, const auto&) {
+    for (auto* condition : m_parts.conditions)
+      if (condition->acts_on(I)) return;
+    for (int d = 0; d < dim; ++d) {
+      double& f = sums.force[d][I];
+      double& p = sums.momentum[d][I];
+      const double before = p - f * dt;
+      const double change = -damping * std::abs(f) * sign(before);
+      f += change;
+      p += change * dt;
+    }
+  });
+}
+
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::compute_velocity_and_acceleration() {
+  const transfer::MassMomentumForce<dim> sums(m_sums);
+  const transfer::VelocityAcceleration<dim> rates(m_rates);
+  m_parts.grid.for_each_owned_node([&](int I, const auto&) {
+    const double inverse_mass = sums.mass[I] > 0.0 ? 1.0 / sums.mass[I] : 0.0;
+    for (int d = 0; d < dim; ++d) {
+      rates.velocity[d][I] = sums.momentum[d][I] * inverse_mass;
+      rates.acceleration[d][I] = sums.force[d][I] * inverse_mass;
+    }
+  });
+  m_parts.walls.unfold(m_parts.grid, m_rates);
+}
+
+/// Walls and rigid bodies act on the momentum of Eq. 9 as well, which becomes a velocity.
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::constrain_remapped_momentum() {
+  const transfer::MassMomentumForce<dim> sums(m_sums);
+  const transfer::NodalVector<dim> remapped(m_remapped);
+  m_parts.walls.fold(m_parts.grid, m_remapped);
+  for (auto* condition : m_parts.conditions)
+    condition->correct(m_parts.grid, {sums.mass, remapped.value});
+  m_parts.walls.hold(m_parts.grid, m_remapped);
+  m_parts.grid.for_each_owned_node([&](int I, const auto&) {
+    const double inverse_mass = sums.mass[I] > 0.0 ? 1.0 / sums.mass[I] : 0.0;
+    for (int d = 0; d < dim; ++d) remapped.value[d][I] *= inverse_mass;
+  });
+  m_parts.walls.unfold(m_parts.grid, m_remapped);
+}
+
+/// Calls the laws, each on its own particles. Returns one whose stress is not finite, or -1.
+template <int dim, class Basis>
+int ExplicitStep<dim, Basis>::update_stress(const particles::ParticleView<dim>& view) {
+  for (std::size_t k = 0; k < m_parts.particles.materials().size(); ++k) {
+    const auto material = static_cast<int>(k);
+    material::Batch batch = m_parts.particles.batch_of(view, material);
+    for (std::size_t c = 0; c < m_increments.strain.size(); ++c)
+      if (!m_increments.strain[c].empty())
+        batch.strain_increment.component[c] =
+            m_increments.strain[c].data() + m_parts.particles.range_of(material).first;
+    m_parts.particles.materials()[k]->update_stress(batch);
+  }
+  for (int p = 0; p < view.count; ++p) {
+    double sum = 0.0;
+    for (int c = 0; c < tensor_components<dim>; ++c) sum += view.stress[c][p];
+    if (!std::isfinite(sum)) return p;
+  }
+  return -1;
+}
+
+template <int dim, class Basis>
+double ExplicitStep<dim, Basis>::smallest_transit_time() const {
+  const particles::ParticleView<dim> view = m_parts.particles.view();
+  double smallest = std::numeric_limits<double>::max();
+  std::vector<double> modulus;
+  for (std::size_t k = 0; k < m_parts.particles.materials().size(); ++k) {
+    const auto range = m_parts.particles.range_of(static_cast<int>(k));
+    const material::Batch batch = m_parts.particles.batch_of(view, static_cast<int>(k));
+    modulus.resize(batch.size);
+    m_parts.particles.materials()[k]->wave_modulus(batch, modulus);
+    for (int p = range.first; p < range.last; ++p) {
+      const double density = view.mass[p] / view.volume[p];
+      double speed = 0.0, span = std::numeric_limits<double>::max();
+      for (int d = 0; d < dim; ++d) {
+        const int cell = m_parts.bases[d].lines().cell_of(view.position[d][p]);
+        span = std::min(span, m_parts.bases[d].smallest_span(cell));
+        speed += view.velocity[d][p] * view.velocity[d][p];
+      }
+      const double c = std::sqrt(modulus[static_cast<std::size_t>(p - range.first)] / density);
+      smallest = std::min(smallest, span / (c + std::sqrt(speed)));
+    }
+  }
+  return smallest;
+}
+
+#define MPM_INSTANTIATE_FOR_BASIS(name, Basis)  \
+  template class ExplicitStep<1, basis::Basis>; \
+  template class ExplicitStep<2, basis::Basis>; \
+  template class ExplicitStep<3, basis::Basis>;
+MPM_BASES(MPM_INSTANTIATE_FOR_BASIS)
+
+}  // namespace mpm::solver

@@ -1,0 +1,64 @@
+#pragma once
+
+#include "mpm/solver/Step.hpp"
+#include "mpm/transfer/SurfaceLoad.hpp"
+
+namespace mpm::solver {
+
+/// The parts of which explicit schemes are made, each with its communication.
+template <int dim, class Basis>
+class ExplicitStep : public Step<dim> {
+ public:
+  /// Collective.
+  explicit ExplicitStep(const StepParts<dim, Basis>& parts);
+
+  double smallest_transit_time() const override;
+  double unbalanced_force() const override { return m_unbalanced_force; }
+  const transfer::PointDeposit<dim>& point_deposit() const override { return m_point_deposit; }
+  const grid::NodalField<dim>& nodal_sums() const override { return m_sums; }
+
+ protected:
+  using View = particles::ParticleView<dim>;
+
+  View particles() const { return m_parts.particles.view(); }
+
+  /// Nodal mass, momentum and force of the particles (Eqs. 1-5). Collective.
+  void deposit(const View& particles, const StepOptions<dim>& options);
+  /// Nodal momentum, velocity and acceleration after forces, walls and conditions (Eq. 6).
+  /// Collective.
+  void update_momentum(const RunState& state, double damping);
+  /// Particle velocities (Eq. 7). Local.
+  void update_velocities(const View& particles, const RunState& state,
+                         const StepOptions<dim>& options);
+  /// Particle velocities, and nodal velocities mapped anew from them (Eqs. 7, 9). Collective.
+  void update_velocities_and_remap(const View& particles, const RunState& state,
+                                   const StepOptions<dim>& options);
+  /// Velocities for strains from the momenta just deposited, before any force. Collective.
+  void take_deposited_velocities();
+  /// Strains and moves the particles (Eq. 8), renews volume and stress. `strain_velocity` is one of
+  /// the two below. Local.
+  StepReport strain_and_move(const View& particles, const transfer::AdvanceTimes& dt,
+                             const transfer::NodalVector<dim>& strain_velocity);
+
+  transfer::NodalVector<dim> remapped_velocity() { return transfer::NodalVector<dim>(m_remapped); }
+  transfer::NodalVector<dim> updated_velocity() {
+    return {transfer::VelocityAcceleration<dim>(m_rates).velocity};
+  }
+
+ private:
+  void apply_damping(double damping, double dt);
+  void compute_velocity_and_acceleration();
+  void constrain_remapped_momentum();
+  int update_stress(const View& view);
+  transfer::Stencil<dim, Basis> stencil() const { return {m_parts.grid, m_parts.bases}; }
+
+  StepParts<dim, Basis> m_parts;
+  transfer::BasisDeposit<dim, Basis> m_point_deposit;
+  grid::NodalField<dim> m_sums;      ///< mass, momentum, force
+  grid::NodalField<dim> m_rates;     ///< velocity, acceleration
+  grid::NodalField<dim> m_remapped;  ///< momentum of Eq. 9, then its velocity
+  transfer::Increments m_increments;
+  double m_unbalanced_force = 0.0;
+};
+
+}  // namespace mpm::solver
