@@ -8,7 +8,9 @@ void RunOptions::declare(options::OptionSet& options) {
                {"", "directory of all results, made if missing", "chosen"});
   options.choice(
       "basis", basis, basis::kinds(),
-      {"", "B-splines on the grid, linear ones are those of standard MPM", "paper, section 2.2"});
+      {"",
+       "shape functions: linear (standard MPM), uGIMP, or B-splines; gimp always mirrors at walls",
+       "paper, section 2.2"});
   options.choice(
       "basis_boundary", ends,
       {{"mirror", basis::EndTreatment::mirror}, {"open_knot", basis::EndTreatment::open_knot}},

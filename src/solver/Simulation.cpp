@@ -18,10 +18,16 @@ constexpr int steps_between_sorts = 500;    // particles lose their order slowly
 constexpr double largest_growth_of_dt = 1.05;
 constexpr double no_limit = std::numeric_limits<double>::max();
 
+template <int dim>
+basis::BasisOptions basis_options(const SimulationSetup<dim>& setup) {
+  return {.ends = setup.ends, .particles_per_cell = setup.particles_per_cell};
+}
+
 template <int dim, class Basis>
 std::array<Basis, dim> bases(const SimulationSetup<dim>& setup) {
   return [&]<std::size_t... d>(std::index_sequence<d...>) {
-    return std::array<Basis, dim>{Basis(setup.lines[d], setup.ends)...};
+    return std::array<Basis, dim>{
+        basis::make_basis<Basis>(setup.lines[d], basis_options(setup))...};
   }
   (std::make_index_sequence<static_cast<std::size_t>(dim)>{});
 }
@@ -30,7 +36,8 @@ template <int dim>
 std::array<basis::NodeLine, dim> node_lines(const SimulationSetup<dim>& setup) {
   return basis::with_basis(setup.basis, [&]<class Basis>() {
     return [&]<std::size_t... d>(std::index_sequence<d...>) {
-      return std::array<basis::NodeLine, dim>{Basis(setup.lines[d], setup.ends).nodes()...};
+      return std::array<basis::NodeLine, dim>{
+          basis::make_basis<Basis>(setup.lines[d], basis_options(setup)).nodes()...};
     }
     (std::make_index_sequence<static_cast<std::size_t>(dim)>{});
   });

@@ -1,15 +1,18 @@
 #pragma once
 
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "mpm/basis/BSpline.hpp"
+#include "mpm/basis/Gimp.hpp"
 
 /// The one table of bases a run can choose from: word of the option, type. A new basis is a type
 /// with the members of BSpline and one line here.
 #define MPM_BASES(X)       \
   X(linear, BSpline<1>)    \
+  X(gimp, Gimp)            \
   X(quadratic, BSpline<2>) \
   X(cubic, BSpline<3>)
 
@@ -24,6 +27,20 @@ inline std::vector<std::pair<std::string, Kind>> kinds() {
   return {MPM_BASES(MPM_WORD_OF_BASIS)};
 }
 #undef MPM_WORD_OF_BASIS
+
+/// What the bases of a run are made of besides the lines; each takes what concerns it.
+struct BasisOptions {
+  EndTreatment ends = EndTreatment::mirror;
+  int particles_per_cell = 2;  ///< per direction
+};
+
+template <class Basis>
+Basis make_basis(const KnotLines& lines, const BasisOptions& options) {
+  if constexpr (std::is_constructible_v<Basis, KnotLines, EndTreatment>)
+    return Basis(lines, options.ends);
+  else
+    return Basis(lines, options.particles_per_cell);
+}
 
 /// visit.template operator()<Basis>() for the basis of this kind.
 template <class Visit>

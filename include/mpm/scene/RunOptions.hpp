@@ -37,6 +37,7 @@ struct RunOptions {
   void apply_to(solver::SimulationSetup<dim>& setup) const {
     setup.basis = basis;
     setup.ends = ends;
+    setup.particles_per_cell = static_cast<int>(particles_per_cell_direction);
     setup.scheme = scheme;
     setup.courant = courant;
     if (flip_time) setup.flip_time = *flip_time;

@@ -23,6 +23,7 @@ struct SimulationSetup {
   std::array<basis::KnotLines, dim> lines;
   basis::Kind basis = basis::Kind::cubic;
   basis::EndTreatment ends = basis::EndTreatment::mirror;
+  int particles_per_cell = 2;  ///< per direction: the extent of uGIMP's particles
   Scheme scheme = Scheme::musl;
   typename grid::Walls<dim>::Kinds walls{};
   particles::Materials materials;
