@@ -106,29 +106,37 @@ def draw_fields(run):
     return [style.save(made, run, "fields.png")]
 
 
+def draw_curves(axes, runs):
+    for run, colour in zip(runs, COLOURS):
+        history = run.table("history.csv")
+        axes.plot(100 * history["axial_strain"], history["vertical_stress_Pa"] / 1e3,
+                  color=colour, label=label_of(run))
+    axes.set(xlabel="Axial strain (%)", ylabel="Vertical stress on the plate (kPa)",
+             xlim=(0, None), ylim=(0, None))
+    axes.legend(loc="lower right")
+
+
+def draw_row(panels, runs, field):
+    """One field of all runs at their ends, on one scale."""
+    lasts = [run.outputs()[-1] for run in runs]
+    limits = limits_of(field, lasts)
+    for panel, run, last in zip(panels, runs, lasts):
+        shown = draw_panel(panel, run, last, field, limits, marked=run is runs[-1])
+        panel.set_title(label_of(run).replace("particles per cell", "p.p.c."), fontsize=7)
+        panel.label_outer()
+    panels[0].set_ylabel("$y$ (m)")
+    panels[0].figure.colorbar(shown, ax=panels, label=FIELDS[field][0], pad=0.01, aspect=25)
+
+
 def compare(runs):
     """The plate's stress of several runs, and their fields at the end; a figure."""
-    finest = sorted(runs, key=lambda run: (-run.option("cell_size"),
-                                           run.option("particles_per_cell_direction")))
-    made, panels = style.figure(len(FIELDS) + 1, 1, 18.5, 27)
-    style_of_rows = panels[0].get_gridspec()
-    for panel in panels:
-        panel.remove()
-    curve = made.add_subplot(style_of_rows[0])
-    for run, colour in zip(finest, COLOURS):
-        history = run.table("history.csv")
-        curve.plot(100 * history["axial_strain"], history["vertical_stress_Pa"] / 1e3,
-                   color=colour, label=label_of(run))
-    curve.set(xlabel="Axial strain (%)", ylabel="Vertical stress on the plate (kPa)", xlim=(0, None),
-              ylim=(0, None))
-    curve.legend(loc="lower right")
-    lasts = [run.outputs()[-1] for run in finest]
+    runs = sorted(runs, key=lambda run: (-run.option("cell_size"),
+                                         run.option("particles_per_cell_direction")))
+    made = style.plt.figure(figsize=(18.5 * style.CENTIMETRE, 21.5 * style.CENTIMETRE),
+                            layout="constrained")
+    rows = made.add_gridspec(1 + len(FIELDS), 1)
+    draw_curves(made.add_subplot(rows[0]), runs)
     for row, field in enumerate(FIELDS, start=1):
-        grid = style_of_rows[row].subgridspec(1, len(finest))
-        limits = limits_of(field, lasts)
-        axes = [made.add_subplot(grid[0, k]) for k in range(len(finest))]
-        for panel, run, last in zip(axes, finest, lasts):
-            shown = draw_panel(panel, run, last, field, limits, marked=run is finest[-1])
-            panel.set_title(label_of(run), fontsize=7)
-        made.colorbar(shown, ax=axes, label=FIELDS[field][0], shrink=0.9, pad=0.01)
+        cells = rows[row].subgridspec(1, len(runs))
+        draw_row([made.add_subplot(cells[k]) for k in range(len(runs))], runs, field)
     return made
