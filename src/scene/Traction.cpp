@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpm/core/Errors.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/material/LinearElastic.hpp"
 #include "mpm/petsc/Session.hpp"
@@ -39,6 +40,8 @@ class Traction : public Scene {
   const std::string& output_directory() const override { return m_run.output_dir; }
 
   void run(io::Summary& summary) override {
+    if (m_traction == 0.0)
+      throw BadInput("-traction 0 leaves nothing to measure: give a pull or a push");
     solver::Simulation<1> simulation(setup());
     const double spacing =
         m_length / static_cast<double>(m_cells * m_run.particles_per_cell_direction);

@@ -90,6 +90,7 @@ class Triaxial : public Scene {
   }
 
   std::string answer(const io::Summary& summary) const override {
+    if (summary.text("q_peak_Pa").empty()) return "ended before the first row under load";
     return fmt::format("peak q {:.4g} kPa at strain {:.3g}, {:.2g} % off the material point",
                        summary.number("q_peak_Pa") / 1e3, summary.number("strain_at_peak"),
                        100.0 * summary.number("error_q"));
@@ -230,7 +231,7 @@ void Triaxial::compress(solver::Simulation<3>& simulation, const material::Mater
   loop.summarise(summary);
   summary.set("stress_spread_max", largest_spread);
   summary.set("kinetic_energy_over_work_max", largest_kinetic_share);
-  compare_with_material_point(law, summary);
+  if (m_rows.size() > 1) compare_with_material_point(law, summary);
 }
 
 /// The same test at a single point without grid, interpolated to the strains of the rows.

@@ -82,6 +82,16 @@ CASES = [
     # sense that only a scene can see
     (["-scene", "patch", "-placement", "gauss", "-particles_per_cell_direction", "4",
       "-output_dir", "OUT/gauss"], ["4 particles", "1, 2 or 3"]),
+    (["-scene", "triaxial", "-cells", "0"], ["-cells 0", "1 to 64"]),
+    (["-scene", "triaxial", "-confining_pressure", "0"], ["-confining_pressure 0", "> 0"]),
+    (["-scene", "triaxial", "-strain_end", "0.5"], ["-strain_end 0.5", "<= 0.4"]),
+    (["-scene", "triaxial", "-triaxial_velocity", "-1"], ["-triaxial_velocity -1", "> 0"]),
+    (["-scene", "triaxial", "-basis", "cubist"], ["-basis", "cubist", "nearest is cubic"]),
+    (["-scene", "traction", "-cells", "3"], ["-cells 3", "4 to 100000"]),
+    (["-scene", "traction", "-damping", "1"], ["-damping 1", "< 1"]),
+    (["-scene", "traction", "-rest_tolerance", "0"], ["-rest_tolerance 0", "> 0"]),
+    (["-scene", "traction", "-traction", "0", "-output_dir", "OUT/traction"],
+     ["-traction 0", "give a pull"]),
     # element tests
     (point("point8", "-test", "path"), ["-test path", "-path_file"]),
     (point("point9", "-path_file", "FILES/leg.csv"), ["-path_file", "leg.csv", "-test path"]),
@@ -112,6 +122,9 @@ FILES = {
 # Fits on three ranks: 4 cells and 2 of air, 9 nodes, 3 of them for each rank.
 TOO_MANY_RANKS = (["-scene", "column", "-cells", "4", "-output_dir", "OUT/column"],
                   ["4 ranks", "largest", "3"])
+# A single linear cell has two nodes per direction, as many as a rank needs.
+ONE_CELL = (["-scene", "triaxial", "-output_dir", "OUT/triaxial"],
+            ["2 ranks are too many", "largest", "is 1"])
 
 
 class Driver:
@@ -178,6 +191,7 @@ def main():
             list(pool.map(lambda case: driver.refuse(int(ranks), *case), CASES))
         if int(ranks) > 1:
             driver.refuse(4, *TOO_MANY_RANKS)
+            driver.refuse(2, *ONE_CELL)
         driver.accept(ranks, [], {"PETSC_OPTIONS": "-courant 5"}, [], ["-courant", "0.2"])
         driver.accept(ranks, ["-options_file", "files/plain.opts"], {}, [], ["-cells", "16"])
         driver.accept(ranks, ["-log_view"], {}, ["PETSc Performance Summary"])

@@ -13,17 +13,20 @@ class FailuresOnly : public testing::EmptyTestEventListener {
  public:
   explicit FailuresOnly(int rank) : m_rank(rank) {}
 
+  void OnTestStart(const testing::TestInfo& test) override { m_test = &test; }
+
+  /// Called with GoogleTest's lock held: asking it for the current test would wait for ever.
   void OnTestPartResult(const testing::TestPartResult& result) override {
     if (!result.failed()) return;
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
     std::fprintf(stderr, "rank %d: %s:%d: %s.%s\n%s\n", m_rank,
                  result.file_name() != nullptr ? result.file_name() : "?", result.line_number(),
-                 test != nullptr ? test->test_suite_name() : "?",
-                 test != nullptr ? test->name() : "?", result.summary());
+                 m_test != nullptr ? m_test->test_suite_name() : "?",
+                 m_test != nullptr ? m_test->name() : "?", result.summary());
   }
 
  private:
   int m_rank;
+  const testing::TestInfo* m_test = nullptr;
 };
 
 }  // namespace

@@ -15,24 +15,11 @@ namespace {
 
 using basis::KnotLines;
 using grid::Wall;
+using test::equal_lines;
+using test::Gradient;
+using test::linear_velocity;
+using test::run_steps;
 using test::Snapshot;
-
-template <int dim>
-std::array<KnotLines, dim> equal_lines(double begin, double end, int cells) {
-  return [&]<std::size_t... d>(std::index_sequence<d...>) {
-    return std::array<KnotLines, dim>{
-        (static_cast<void>(d), KnotLines::uniform(begin, end, cells))...};
-  }
-  (std::make_index_sequence<static_cast<std::size_t>(dim)>{});
-}
-
-template <int dim>
-void run_steps(Simulation<dim>& simulation, int steps, double dt) {
-  for (int k = 0; k < steps; ++k) {
-    simulation.limit_next_step(dt);
-    simulation.advance();
-  }
-}
 
 // Patch test ------------------------------------------------------------------------------------
 
@@ -56,11 +43,13 @@ const SymmetricTensor normal_stress{{-3e4, -2e4, -1.7e4, 0.0, 0.0, 0.0}};
 const SymmetricTensor any_stress{{-3e4, -2e4, -1.7e4, 0.9e4, -0.4e4, 0.7e4}};
 
 template <int dim>
-void constant_stress_leaves_no_force(const std::array<KnotLines, dim>& lines) {
+void constant_stress_leaves_no_force(basis::Kind kind, const std::array<KnotLines, dim>& lines) {
   for (int per_direction : {1, 2, 3}) {
     auto rollers = test::full_box<dim>(lines, Wall::roller, per_direction);
+    rollers.basis = kind;
     EXPECT_LT(patch_residual(rollers, normal_stress), 1e-12);
-    auto fixed = test::full_box<dim>(lines, Wall::fixed, per_direction);
+    auto fixed = rollers;
+    fixed.walls = test::walls_all<dim>(Wall::fixed);
     EXPECT_LT(patch_residual(fixed, any_stress), 1e-12);
     auto mixed = rollers;
     mixed.walls[0][0] = Wall::symmetry;
@@ -70,9 +59,16 @@ void constant_stress_leaves_no_force(const std::array<KnotLines, dim>& lines) {
 }
 
 TEST(PatchTest, constant_stress_leaves_no_force_at_mirrored_walls) {
-  constant_stress_leaves_no_force<1>(equal_lines<1>(-0.3, 3.9, 13));
-  constant_stress_leaves_no_force<2>(equal_lines<2>(-0.3, 2.1, 9));
-  constant_stress_leaves_no_force<3>(equal_lines<3>(-0.3, 1.4, 6));
+  test::for_every_basis([](basis::Kind kind) {
+    constant_stress_leaves_no_force<1>(kind, equal_lines<1>(-0.3, 3.9, 13));
+    constant_stress_leaves_no_force<2>(kind, equal_lines<2>(-0.3, 2.1, 9));
+    constant_stress_leaves_no_force<3>(kind, equal_lines<3>(-0.3, 1.4, 6));
+  });
+}
+
+TEST(PatchTest, linear_and_quadratic_splines_need_no_gauss_points_on_graded_lines) {
+  for (const basis::Kind kind : {basis::Kind::linear, basis::Kind::quadratic})
+    constant_stress_leaves_no_force<2>(kind, {test::graded_lines(9), test::graded_lines(11)});
 }
 
 TEST(PatchTest, gauss_points_pass_on_graded_lines_and_midpoints_do_not) {
@@ -115,18 +111,6 @@ TEST(PatchTest, open_knots_leave_their_known_residual) {
 
 // Velocity fields -------------------------------------------------------------------------------
 
-/// v_i = gradient_ij (x_j - fixed point), which the walls of `setup` must allow.
-template <int dim>
-using Gradient = std::array<Vector<dim>, dim>;
-
-template <int dim>
-Vector<dim> linear_velocity(const Gradient<dim>& L, const Vector<dim>& x) {
-  Vector<dim> v{};
-  for (int i = 0; i < dim; ++i)
-    for (int j = 0; j < dim; ++j) v[i] += L[i][j] * x[j];
-  return v;
-}
-
 /// Checks the strain of one step and the motion on particles that no free surface is near to.
 template <int dim>
 void linear_field_is_reproduced(const SimulationSetup<dim>& setup, const Gradient<dim>& L,
@@ -160,47 +144,80 @@ void linear_field_is_reproduced(const SimulationSetup<dim>& setup, const Gradien
   EXPECT_GT(inside, 0);
 }
 
+template <int dim>
+SimulationSetup<dim> free_box(basis::Kind kind) {
+  auto setup = test::full_box<dim>(equal_lines<dim>(-1.3, 1.3, 13), Wall::free);
+  setup.basis = kind;
+  return setup;
+}
+
 TEST(LinearVelocity, is_reproduced_inside_a_body) {
-  linear_field_is_reproduced<1>(test::full_box<1>(equal_lines<1>(-1.3, 1.3, 13), Wall::free),
-                                {{{0.7}}}, [](const auto& x) { return std::abs(x[0]) < 0.5; });
-  linear_field_is_reproduced<2>(
-      test::full_box<2>(equal_lines<2>(-1.3, 1.3, 13), Wall::free), {{{0.7, -0.3}, {1.1, 0.4}}},
-      [](const auto& x) { return std::abs(x[0]) < 0.5 && std::abs(x[1]) < 0.5; });
-  linear_field_is_reproduced<3>(
-      test::full_box<3>(equal_lines<3>(-1.3, 1.3, 13), Wall::free),
-      {{{0.7, -0.3, 0.2}, {1.1, 0.4, -0.6}, {-0.8, 0.35, 0.9}}}, [](const auto& x) {
-        return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])}) < 0.3;
-      });
+  const auto within = [](double reach) {
+    return [reach](const auto& x) {
+      return std::ranges::all_of(x, [&](double component) { return std::abs(component) < reach; });
+    };
+  };
+  test::for_every_basis([&](basis::Kind kind) {
+    linear_field_is_reproduced<1>(free_box<1>(kind), {{{0.7}}}, within(0.5));
+    linear_field_is_reproduced<2>(free_box<2>(kind), {{{0.7, -0.3}, {1.1, 0.4}}}, within(0.5));
+    linear_field_is_reproduced<3>(
+        free_box<3>(kind), {{{0.7, -0.3, 0.2}, {1.1, 0.4, -0.6}, {-0.8, 0.35, 0.9}}}, within(0.3));
+  });
 }
 
 TEST(LinearVelocity, is_reproduced_up_to_mirrored_walls) {
   auto setup = test::full_box<2>(equal_lines<2>(0.0, 2.6, 13), Wall::free, 3);
   setup.walls[0][0] = Wall::roller;
   setup.walls[1][0] = Wall::symmetry;
-  linear_field_is_reproduced<2>(setup, {{{0.7, 0.0}, {0.0, -0.45}}},
-                                [](const auto& x) { return x[0] < 1.4 && x[1] < 1.4; });
+  test::for_every_basis([&](basis::Kind kind) {
+    setup.basis = kind;
+    linear_field_is_reproduced<2>(setup, {{{0.7, 0.0}, {0.0, -0.45}}},
+                                  [](const auto& x) { return x[0] < 1.4 && x[1] < 1.4; });
+  });
+}
+
+// Free motion -----------------------------------------------------------------------------------
+
+/// A block amid air that may fly some cells far.
+SimulationSetup<2> flying_block(basis::Kind kind) {
+  auto setup = free_box<2>(kind);
+  setup.filling.material_at = [](const Vector<2>& x) {
+    return std::abs(x[0]) < 0.5 && std::abs(x[1] + 0.3) < 0.35 ? std::optional(0) : std::nullopt;
+  };
+  return setup;
+}
+
+TEST(RigidTranslation, leaves_no_stress_and_no_particle_behind) {
+  test::for_every_basis([](basis::Kind kind) {
+    Simulation<2> simulation(flying_block(kind));
+    const Vector<2> v{-0.17, 0.31};
+    test::set_velocity<2>(simulation, [&](const auto&) { return v; });
+    while (simulation.state().time < 1.7) simulation.advance();
+    for (const Snapshot<2>& p : test::snapshots(simulation.particles())) {
+      for (int d : {0, 1})
+        EXPECT_NEAR(p.position[d], p.start[d] + v[d] * simulation.state().time, 1e-12);
+      for (double component : p.stress)
+        EXPECT_NEAR(component / test::soft.youngs_modulus, 0, 1e-12);
+    }
+  });
+}
+
+TEST(Momentum, of_a_body_that_shakes_on_its_way_stays) {
+  test::for_every_basis([](basis::Kind kind) {
+    Simulation<2> simulation(flying_block(kind));
+    test::set_velocity<2>(simulation, [&](const Vector<2>& x) {
+      return Vector<2>{-0.1 + 0.05 * std::sin(9 * x[1]), 0.2 + 0.03 * std::cos(11 * x[0])};
+    });
+    test::set_stress(simulation, 1e-3 * any_stress);
+    const Vector<2> before = simulation.momentum();
+    const double energy = simulation.kinetic_energy(), size = std::hypot(before[0], before[1]);
+    for (int k = 0; k < 60; ++k) simulation.advance();
+    EXPECT_GT(std::abs(simulation.kinetic_energy() / energy - 1.0), 1e-3);
+    for (int d : {0, 1}) EXPECT_NEAR(simulation.momentum()[d], before[d], 1e-13 * size);
+  });
 }
 
 // Rigid rotation --------------------------------------------------------------------------------
-
-/// Gives every node the velocity omega x x_I.
-template <int dim>
-class Turn : public grid::NodalCondition<dim> {
- public:
-  explicit Turn(const Gradient<dim>& spin) : m_spin(spin) {}
-  void correct(const grid::Grid<dim>& grid, const grid::NodalMotion<dim>& motion) override {
-    grid.for_each_owned_node([&](int I, const auto& node) {
-      const Vector<dim> v = linear_velocity<dim>(m_spin, grid.position(node));
-      for (int d = 0; d < dim; ++d) {
-        motion.momentum[d][I] = motion.mass[I] * v[d];
-        if (motion.is_first_mapping()) motion.force[d][I] = 0.0;
-      }
-    });
-  }
-
- private:
-  Gradient<dim> m_spin;
-};
 
 template <int dim>
 double stress_norm(const Snapshot<dim>& p) {
@@ -211,15 +228,15 @@ double stress_norm(const Snapshot<dim>& p) {
 
 /// One turn in 1000 steps. `omega` is the size of the spin, rad/s.
 template <int dim>
-void turn_keeps_stress_and_volume(const Gradient<dim>& spin, double omega) {
-  auto setup = test::full_box<dim>(equal_lines<dim>(-1.3, 1.3, 13), Wall::free);
+void turn_keeps_stress_and_volume(basis::Kind kind, const Gradient<dim>& spin, double omega) {
+  auto setup = free_box<dim>(kind);
   setup.filling.material_at = [](const Vector<dim>& x) {
     double square = 0.0;
     for (double component : x) square += component * component;
     return square < 0.16 ? std::optional(0) : std::nullopt;
   };
   Simulation<dim> simulation(setup);
-  simulation.add_condition(std::make_shared<Turn<dim>>(spin));
+  simulation.add_condition(std::make_shared<test::PrescribedGradient<dim>>(spin));
   test::set_stress(simulation, any_stress);
   const auto before = test::snapshots(simulation.particles());
   run_steps(simulation, 500, 2 * std::numbers::pi / omega / 1000);
@@ -238,10 +255,13 @@ void turn_keeps_stress_and_volume(const Gradient<dim>& spin, double omega) {
 }
 
 TEST(RigidRotation, keeps_stress_norm_and_volume_and_turns_the_stress) {
-  turn_keeps_stress_and_volume<2>({{{0.0, -1.7}, {1.7, 0.0}}}, 1.7);
   const Vector<3> w{0.9, -1.3, 0.6};
-  turn_keeps_stress_and_volume<3>({{{0.0, -w[2], w[1]}, {w[2], 0.0, -w[0]}, {-w[1], w[0], 0.0}}},
-                                  std::hypot(w[0], w[1], w[2]));
+  test::for_every_basis([&](basis::Kind kind) {
+    turn_keeps_stress_and_volume<2>(kind, {{{0.0, -1.7}, {1.7, 0.0}}}, 1.7);
+    turn_keeps_stress_and_volume<3>(kind,
+                                    {{{0.0, -w[2], w[1]}, {w[2], 0.0, -w[0]}, {-w[1], w[0], 0.0}}},
+                                    std::hypot(w[0], w[1], w[2]));
+  });
 }
 
 // Bodies that collide ---------------------------------------------------------------------------
@@ -348,8 +368,9 @@ TEST(Collision, in_a_moving_frame_keeps_momentum_and_mechanical_energy) {
 constexpr double disc_dt = 2e-2;
 constexpr int disc_steps = 1000;
 
-TEST(HalfModel, equals_the_full_one_over_1000_steps) {
+void half_model_equals_the_full_one(basis::Kind kind) {
   auto full_setup = discs(false), half_setup = discs(true);
+  full_setup.basis = half_setup.basis = kind;
   Simulation<2> full(full_setup), half(half_setup);
   for (Simulation<2>* simulation : {&full, &half}) {
     start_discs(*simulation);
@@ -378,6 +399,10 @@ TEST(HalfModel, equals_the_full_one_over_1000_steps) {
     for (std::size_t k = 0; k < 4; ++k)
       EXPECT_NEAR(only[p].stress[k], right[p].stress[k], 1e-10 * largest_stress);
   }
+}
+
+TEST(HalfModel, equals_the_full_one_over_1000_steps) {
+  test::for_every_basis(half_model_equals_the_full_one);
 }
 
 // Ranks -----------------------------------------------------------------------------------------
@@ -483,8 +508,10 @@ TEST(Failure, a_stress_that_is_not_a_number_stops_all_ranks_by_name) {
 /// Share of the first mode in the stress of a bar between fixed ends that swings with small
 /// amplitude. It starts strained and moving; the time steps grow from a tenth to nearly twice their
 /// mean.
-double swinging_bar(int steps, double end_time) {
-  Simulation<1> simulation(test::full_box<1>(equal_lines<1>(0.0, 1.3, 13), Wall::fixed));
+double swinging_bar(basis::Kind kind, int steps, double end_time) {
+  auto setup = test::full_box<1>(equal_lines<1>(0.0, 1.3, 13), Wall::fixed);
+  setup.basis = kind;
+  Simulation<1> simulation(setup);
   const double k = std::numbers::pi / 1.3, amplitude = 1e-7;
   test::set_velocity<1>(simulation,
                         [&](const auto& x) { return Vector<1>{amplitude * std::sin(k * x[0])}; });
@@ -504,10 +531,12 @@ double swinging_bar(int steps, double end_time) {
 }
 
 TEST(CentralDifference, is_of_second_order_with_a_halved_first_step_and_varying_steps) {
-  const double coarse = swinging_bar(60, 1.3), middle = swinging_bar(120, 1.3),
-               fine = swinging_bar(240, 1.3);
-  EXPECT_NEAR(std::log2((coarse - middle) / (middle - fine)), 2.0, 0.1);
-  EXPECT_LT(std::abs(middle - fine), 1e-2 * std::abs(fine));
+  test::for_every_basis([](basis::Kind kind) {
+    const double coarse = swinging_bar(kind, 60, 1.3), middle = swinging_bar(kind, 120, 1.3),
+                 fine = swinging_bar(kind, 240, 1.3);
+    EXPECT_NEAR(std::log2((coarse - middle) / (middle - fine)), 2.0, 0.1);
+    EXPECT_LT(std::abs(middle - fine), 1e-2 * std::abs(fine));
+  });
 }
 
 }  // namespace

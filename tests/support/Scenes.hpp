@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <functional>
 #include <memory>
 #include <optional>
@@ -17,6 +19,55 @@ inline std::shared_ptr<const material::Material> elastic(
     const material::LinearElasticParameters& parameters = soft) {
   return std::make_shared<material::LinearElastic>(parameters);
 }
+
+/// Calls check(kind) for every basis, and names the basis where the check fails.
+template <class Check>
+void for_every_basis(const Check& check) {
+  for (const auto& [word, kind] : basis::kinds()) {
+    SCOPED_TRACE(word);
+    check(kind);
+  }
+}
+
+template <int dim>
+std::array<basis::KnotLines, dim> equal_lines(double begin, double end, int cells) {
+  return [&]<std::size_t... d>(std::index_sequence<d...>) {
+    return std::array<basis::KnotLines, dim>{
+        (static_cast<void>(d), basis::KnotLines::uniform(begin, end, cells))...};
+  }
+  (std::make_index_sequence<static_cast<std::size_t>(dim)>{});
+}
+
+/// v_i = L_ij x_j.
+template <int dim>
+using Gradient = std::array<Vector<dim>, dim>;
+
+template <int dim>
+Vector<dim> linear_velocity(const Gradient<dim>& L, const Vector<dim>& x) {
+  Vector<dim> v{};
+  for (int i = 0; i < dim; ++i)
+    for (int j = 0; j < dim; ++j) v[i] += L[i][j] * x[j];
+  return v;
+}
+
+/// Gives every node the velocity L x_I.
+template <int dim>
+class PrescribedGradient : public grid::NodalCondition<dim> {
+ public:
+  explicit PrescribedGradient(const Gradient<dim>& L) : m_L(L) {}
+  void correct(const grid::Grid<dim>& grid, const grid::NodalMotion<dim>& motion) override {
+    grid.for_each_owned_node([&](int I, const auto& node) {
+      const Vector<dim> v = linear_velocity<dim>(m_L, grid.position(node));
+      for (int d = 0; d < dim; ++d) {
+        motion.momentum[d][I] = motion.mass[I] * v[d];
+        if (motion.is_first_mapping()) motion.force[d][I] = 0.0;
+      }
+    });
+  }
+
+ private:
+  Gradient<dim> m_L;
+};
 
 /// The same kind of wall at both ends of every direction.
 template <int dim>
@@ -46,6 +97,15 @@ void set_velocity(solver::Simulation<dim>& simulation,
   for (int p = 0; p < view.count; ++p) {
     const Vector<dim> v = velocity(view.position_of(p));
     for (int d = 0; d < dim; ++d) view.velocity[d][p] = v[d];
+  }
+}
+
+/// Advances by steps of dt, or shorter ones where stability asks for them.
+template <int dim>
+void run_steps(solver::Simulation<dim>& simulation, int steps, double dt) {
+  for (int k = 0; k < steps; ++k) {
+    simulation.limit_next_step(dt);
+    simulation.advance();
   }
 }
 

@@ -118,6 +118,19 @@ TEST(MohrCoulomb, triaxial_compression_is_elastic_then_fails_on_the_edge) {
   }
 }
 
+TEST(MohrCoulomb, triaxial_compression_test_ends_at_the_strength_of_the_edge) {
+  for (const Constants& k : many)
+    for (double p : {40e3, 170e3}) {
+      const MohrCoulomb law(k);
+      const auto rows =
+          run_element_test(law, {.confining_pressure = p, .strain_end = 0.06, .increments = 60});
+      const double q = (N(k.friction_angle) - 1) * p + compressive_strength(k);
+      EXPECT_NEAR(rows.back().q / q, 1.0, 1e-6);
+      EXPECT_NEAR(rows.back().stress[xx], -p, 1e-6 * p);
+      EXPECT_NEAR(rows.back().stress[zz], -p, 1e-6 * p);
+    }
+}
+
 TEST(MohrCoulomb, triaxial_extension_fails_on_the_other_edge) {
   for (const Constants& k : many) {
     const MohrCoulomb law(k);
