@@ -37,6 +37,11 @@ void RunOptions::declare(options::OptionSet& options) {
        "time in which particle velocities turn into the grid's: keeps exp(-dt/tau) per step; "
        "without meaning for pic",
        "docs/model.md"});
+  options.flag("average_volume", averages_volume,
+               {"",
+                "particles take the mean volume change of their surroundings, against scatter of "
+                "pressures",
+                "docs/model.md"});
   options.real(
       "courant", courant, {.minimum = 0.0, .maximum = 2.0, .open_minimum = true},
       {"1", "time step as a share of h/(c + |v|), h the smallest knot span near a particle",

@@ -71,22 +71,48 @@ void ExplicitStep<dim, Basis>::take_deposited_velocities() {
 template <int dim, class Basis>
 StepReport ExplicitStep<dim, Basis>::strain_and_move(
     const View& particles, const transfer::AdvanceTimes& dt,
-    const transfer::NodalVector<dim>& strain_velocity) {
+    const transfer::NodalVector<dim>& strain_velocity, const StepOptions<dim>& options) {
   const transfer::VelocityAcceleration<dim> rates(m_rates);
-  const transfer::Drift drift = transfer::gather_increments_and_move<dim, Basis>(
-      particles, stencil(), dt, rates, strain_velocity, m_parts.grid, m_increments);
-  StepReport report{drift.must_migrate, drift.lost};
+  const bool averages = options.averages_volume && dt.strain > 0.0;
+  const auto gather = [&](const transfer::AdvanceTimes& times) {
+    return transfer::gather_increments_and_move<dim, Basis>(
+        particles, stencil(), times, rates, strain_velocity, m_parts.grid, m_increments);
+  };
+  // Averaging needs the old positions, so the motion waits.
+  transfer::Drift drift = gather(averages ? transfer::AdvanceTimes{dt.strain, 0.0} : dt);
+  if (averages) average_volume_change(particles);
+  int broken = -1;
   if (dt.strain > 0.0) {
     transfer::rotate_and_expand(particles, m_increments);
-    const int broken = update_stress(particles);
-    if (report.broken_particle < 0) report.broken_particle = broken;
+    broken = update_stress(particles);
   }
+  if (averages && dt.move > 0.0) drift = gather({.strain = 0.0, .move = dt.move});
+  StepReport report{drift.must_migrate, drift.lost >= 0 ? drift.lost : broken};
   if (dt.move > 0.0 && !m_parts.boundary.is_empty())
     report.must_migrate |=
         transfer::move_surface<dim, Basis>(m_parts.boundary.view(), m_parts.grid, stencil(),
                                            dt.move, rates, strain_velocity)
             .must_migrate;
   return report;
+}
+
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::average_volume_change(const View& particles) {
+  if (!m_volume_change)
+    m_volume_change = std::make_unique<grid::NodalField<dim>>(
+        m_parts.grid, std::vector<grid::Component>(2, {grid::Component::scalar}));
+  grid::NodalField<dim>& field = *m_volume_change;
+  double* const volume = field.values(0);
+  double* const change = field.values(1);
+  field.set_to_zero();
+  transfer::deposit_volume_change<dim, Basis>(particles, stencil(), m_increments, volume, change);
+  field.sum_to_owners();
+  m_parts.walls.fold(m_parts.grid, field);
+  m_parts.grid.for_each_owned_node(
+      [&](int I, const auto&) { change[I] = volume[I] > 0.0 ? change[I] / volume[I] : 0.0; });
+  m_parts.walls.unfold(m_parts.grid, field);
+  field.copy_to_ghosts();
+  transfer::replace_volume_change<dim, Basis>(particles, stencil(), change, m_increments);
 }
 
 /// p_I += f_I dt (Eq. 6) with walls, rigid bodies and damping; then v_I = p_I/m_I, a_I = f_I/m_I.

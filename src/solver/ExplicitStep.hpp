@@ -38,7 +38,8 @@ class ExplicitStep : public Step<dim> {
   /// Strains and moves the particles (Eq. 8), renews volume and stress. `strain_velocity` is one of
   /// the two below. Local.
   StepReport strain_and_move(const View& particles, const transfer::AdvanceTimes& dt,
-                             const transfer::NodalVector<dim>& strain_velocity);
+                             const transfer::NodalVector<dim>& strain_velocity,
+                             const StepOptions<dim>& options);
 
   transfer::NodalVector<dim> remapped_velocity() { return transfer::NodalVector<dim>(m_remapped); }
   transfer::NodalVector<dim> updated_velocity() {
@@ -50,13 +51,16 @@ class ExplicitStep : public Step<dim> {
   void compute_velocity_and_acceleration();
   void constrain_remapped_momentum();
   int update_stress(const View& view);
+  /// Replaces the volume change of every particle by the mean over its surroundings. Collective.
+  void average_volume_change(const View& particles);
   transfer::Stencil<dim, Basis> stencil() const { return {m_parts.grid, m_parts.bases}; }
 
   StepParts<dim, Basis> m_parts;
   transfer::BasisDeposit<dim, Basis> m_point_deposit;
-  grid::NodalField<dim> m_sums;      ///< mass, momentum, force
-  grid::NodalField<dim> m_rates;     ///< velocity, acceleration
-  grid::NodalField<dim> m_remapped;  ///< momentum of Eq. 9, then its velocity
+  grid::NodalField<dim> m_sums;                            ///< mass, momentum, force
+  grid::NodalField<dim> m_rates;                           ///< velocity, acceleration
+  grid::NodalField<dim> m_remapped;                        ///< momentum of Eq. 9, then its velocity
+  std::unique_ptr<grid::NodalField<dim>> m_volume_change;  ///< volume and its change, if averaged
   transfer::Increments m_increments;
   double m_unbalanced_force = 0.0;
 };

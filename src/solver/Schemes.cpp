@@ -15,7 +15,7 @@ class MuslStep : public ExplicitStep<dim, Basis> {
     this->update_momentum(state, options.damping);                 // (6)
     this->update_velocities_and_remap(particles, state, options);  // (7), (9)
     return this->strain_and_move(particles, {.strain = state.dt, .move = state.dt},
-                                 this->remapped_velocity());  // (8)
+                                 this->remapped_velocity(), options);  // (8)
   }
 };
 
@@ -30,7 +30,7 @@ class UslStep : public ExplicitStep<dim, Basis> {
     this->update_momentum(state, options.damping);       // (6)
     this->update_velocities(particles, state, options);  // (7)
     return this->strain_and_move(particles, {.strain = state.dt, .move = state.dt},
-                                 this->updated_velocity());  // (8)
+                                 this->updated_velocity(), options);  // (8)
   }
 };
 
@@ -44,12 +44,12 @@ class UsfStep : public ExplicitStep<dim, Basis> {
     this->deposit(particles, options);  // (1), (2)
     this->take_deposited_velocities();
     const StepReport strained = this->strain_and_move(
-        particles, {.strain = state.dt_old, .move = 0.0}, this->remapped_velocity());
+        particles, {.strain = state.dt_old, .move = 0.0}, this->remapped_velocity(), options);
     this->deposit(particles, options);                   // (1)-(5)
     this->update_momentum(state, options.damping);       // (6)
     this->update_velocities(particles, state, options);  // (7)
     StepReport moved = this->strain_and_move(particles, {.strain = 0.0, .move = state.dt},
-                                             this->updated_velocity());  // (8)
+                                             this->updated_velocity(), options);  // (8)
     if (strained.broken_particle >= 0) moved.broken_particle = strained.broken_particle;
     return moved;
   }

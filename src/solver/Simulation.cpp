@@ -61,6 +61,7 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
       m_dt_limit(no_limit) {
   m_options.body_force.uniform = setup.gravity;
   m_options.flip_time = setup.flip_time;
+  m_options.averages_volume = setup.averages_volume;
   seed(setup);
 }
 

@@ -192,6 +192,47 @@ Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
 
 namespace {
 
+template <int dim>
+double volume_change(const Increments& increments, int p) {
+  double sum = 0.0;
+  for (int d = 0; d < dim; ++d) sum += increments.strain[d][p];
+  return sum;
+}
+
+}  // namespace
+
+template <int dim, class Basis>
+void deposit_volume_change(const particles::ParticleView<dim>& particles,
+                           Stencil<dim, Basis> stencil, const Increments& increments,
+                           double* volume, double* change) {
+  for (int p = 0; p < particles.count; ++p) {
+    const double V_p = particles.volume[p];
+    const double V_theta = V_p * volume_change<dim>(increments, p);
+    stencil.move_to(particles.position_of(p));
+    stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>&) {
+      volume[I] += V_p * N;
+      change[I] += V_theta * N;
+    });
+  }
+}
+
+template <int dim, class Basis>
+void replace_volume_change(const particles::ParticleView<dim>& particles,
+                           Stencil<dim, Basis> stencil, const double* change,
+                           Increments& increments) {
+  for (int p = 0; p < particles.count; ++p) {
+    double theta = 0.0;
+    stencil.move_to(particles.position_of(p));
+    stencil.for_each_node(
+        [&](std::ptrdiff_t I, double N, const Vector<dim>&) { theta += change[I] * N; });
+    // Spread over the directions that deform: plane strain stays plane strain.
+    const double correction = (theta - volume_change<dim>(increments, p)) / dim;
+    for (int d = 0; d < dim; ++d) increments.strain[d][p] += correction;
+  }
+}
+
+namespace {
+
 using Matrix = std::array<std::array<double, 3>, 3>;
 
 /// Hughes-Winget rotation of the spin w = (W_xy, W_yz, W_xz) dt: Q = 1 + (W + W^2/2)/(1 + w.w/4)
@@ -253,19 +294,24 @@ void rotate_and_expand(const particles::ParticleView<dim>& particles,
   }
 }
 
-#define MPM_INSTANTIATE_SWEEPS(dim, Basis)                                               \
-  template void deposit_mass_momentum_force<dim, Basis>(                                 \
-      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const BodyForce<dim>&,   \
-      const MassMomentumForce<dim>&);                                                    \
-  template void update_velocities_and_deposit_momentum<dim, Basis>(                      \
-      const particles::ParticleView<dim>&, Stencil<dim, Basis>, double, double,          \
-      const VelocityAcceleration<dim>&, const NodalVector<dim>&);                        \
-  template void update_velocities<dim, Basis>(const particles::ParticleView<dim>&,       \
-                                              Stencil<dim, Basis>, double, double,       \
-                                              const VelocityAcceleration<dim>&);         \
-  template Drift gather_increments_and_move<dim, Basis>(                                 \
-      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const AdvanceTimes&,     \
-      const VelocityAcceleration<dim>&, const NodalVector<dim>&, const grid::Grid<dim>&, \
+#define MPM_INSTANTIATE_SWEEPS(dim, Basis)                                                         \
+  template void deposit_mass_momentum_force<dim, Basis>(                                           \
+      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const BodyForce<dim>&,             \
+      const MassMomentumForce<dim>&);                                                              \
+  template void update_velocities_and_deposit_momentum<dim, Basis>(                                \
+      const particles::ParticleView<dim>&, Stencil<dim, Basis>, double, double,                    \
+      const VelocityAcceleration<dim>&, const NodalVector<dim>&);                                  \
+  template void update_velocities<dim, Basis>(const particles::ParticleView<dim>&,                 \
+                                              Stencil<dim, Basis>, double, double,                 \
+                                              const VelocityAcceleration<dim>&);                   \
+  template void deposit_volume_change<dim, Basis>(const particles::ParticleView<dim>&,             \
+                                                  Stencil<dim, Basis>, const Increments&, double*, \
+                                                  double*);                                        \
+  template void replace_volume_change<dim, Basis>(                                                 \
+      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const double*, Increments&);       \
+  template Drift gather_increments_and_move<dim, Basis>(                                           \
+      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const AdvanceTimes&,               \
+      const VelocityAcceleration<dim>&, const NodalVector<dim>&, const grid::Grid<dim>&,           \
       Increments&);
 #define MPM_INSTANTIATE_FOR_DIMENSION(dim)   \
   template struct MassMomentumForce<dim>;    \

@@ -22,6 +22,7 @@ struct RunOptions {
   solver::Scheme scheme = solver::Scheme::musl;
   Transfer transfer = Transfer::flip;
   std::optional<double> flip_time;  ///< s
+  bool averages_volume = false;
   double courant = 0.9;
   std::int64_t particles_per_cell_direction = 2;
   std::int64_t particle_output_every = 0;
@@ -40,6 +41,7 @@ struct RunOptions {
     setup.particles_per_cell = static_cast<int>(particles_per_cell_direction);
     setup.scheme = scheme;
     setup.courant = courant;
+    setup.averages_volume = averages_volume;
     if (flip_time) setup.flip_time = *flip_time;
     if (transfer == Transfer::pic) setup.flip_time = 0.0;
   }

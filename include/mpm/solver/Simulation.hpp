@@ -31,6 +31,7 @@ struct SimulationSetup {
   Vector<dim> gravity{};                                       ///< m/s^2
   double courant = 0.9;                                        ///< share of h/(c + |v|)
   double flip_time = std::numeric_limits<double>::infinity();  ///< s, see StepOptions
+  bool averages_volume = false;                                ///< see StepOptions
 };
 
 /// Grid, particles and step of one run, and the clock that drives them.

@@ -26,6 +26,9 @@ struct StepOptions {
   /// them per step; infinite is pure FLIP, 0 pure PIC.
   double flip_time = std::numeric_limits<double>::infinity();
 
+  /// Particles take the mean volume change of their surroundings, against scatter of pressures.
+  bool averages_volume = false;
+
   double flip_share(double dt) const { return flip_time > 0.0 ? std::exp(-dt / flip_time) : 0.0; }
 };
 

@@ -112,6 +112,19 @@ Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
                                  const NodalVector<dim>& strain_velocity,
                                  const grid::Grid<dim>& grid, Increments& increments);
 
+/// Deposits V_p N_I and V_p tr(D dt) N_I. Ghosts are to be summed afterwards.
+template <int dim, class Basis>
+void deposit_volume_change(const particles::ParticleView<dim>& particles,
+                           Stencil<dim, Basis> stencil, const Increments& increments,
+                           double* volume, double* change);
+
+/// Gives every particle tr(D dt) = sum theta_I N_I instead of its own, keeping the deviator. Reads
+/// ghosts of `change`, theta_I.
+template <int dim, class Basis>
+void replace_volume_change(const particles::ParticleView<dim>& particles,
+                           Stencil<dim, Basis> stencil, const double* change,
+                           Increments& increments);
+
 /// sigma <- Q sigma Q^T with Q = (1 - W dt/2)^-1 (1 + W dt/2) (Hughes and Winget), which keeps
 /// the norm of the stress; V <- V exp(tr D dt); accumulates sqrt(2/3 e:e).
 template <int dim>
