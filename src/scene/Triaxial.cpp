@@ -49,114 +49,7 @@ struct CubeState {
   double spread;  ///< largest deviation of a particle's stress from the mean, as a share of p
 };
 
-/// The paper's triaxial element tests (section 3.1) in the whole method: an octant of nothing, but
-/// a cube between three symmetry planes, pressed on its free sides, compressed from the top.
-class Triaxial : public Scene {
- public:
-  Triaxial() {
-    m_run.output_dir = "out/triaxial";
-    m_run.basis = basis::Kind::linear;
-    m_run.courant = 0.5;
-    m_sand.parameters().cohesion = 0.0;
-    m_sand.parameters().void_ratio = 0.551;
-  }
-
-  void declare(options::OptionSet& options) override {
-    m_run.declare(options);
-    options.section("Triaxial");
-    options.integer("cells", m_cells, {1, 64},
-                    {"1", "cells per side; one is enough for linear functions, cubic ones need 4",
-                     "paper, section 3.1"});
-    options.real("confining_pressure", m_pressure, options::positive(),
-                 {"Pa", "on the sides, and everywhere at the start", "paper, section 3.1"});
-    options.real("strain_end", m_strain_end, {.minimum = 0.0, .maximum = 0.4, .open_minimum = true},
-                 {"1", "last axial strain, logarithmic", "chosen"});
-    options.real("triaxial_velocity", m_velocity, options::positive(),
-                 {"m/s", "of the top, downward", "chosen: slow"});
-    m_sand.declare(options);
-  }
-
-  const std::string& output_directory() const override { return m_run.output_dir; }
-
-  void run(io::Summary& summary) override {
-    const std::shared_ptr<const material::Material> law = m_sand.create();
-    solver::Simulation<3> simulation(setup(law));
-    const double p0 = m_pressure;
-    prescribe_stress<3>(simulation, [p0](const auto&) {
-      return SymmetricTensor{{-p0, -p0, -p0, 0.0, 0.0, 0.0}};
-    });
-    press_sides(simulation);
-    compress(simulation, *law, summary);
-  }
-
-  std::string answer(const io::Summary& summary) const override {
-    if (summary.text("q_peak_Pa").empty()) return "ended before the first row under load";
-    return fmt::format("peak q {:.4g} kPa at strain {:.3g}, {:.2g} % off the material point",
-                       summary.number("q_peak_Pa") / 1e3, summary.number("strain_at_peak"),
-                       100.0 * summary.number("error_q"));
-  }
-
- private:
-  /// Free sides bulge into half a side of empty cells; a single cell holds all by itself.
-  solver::SimulationSetup<3> setup(std::shared_ptr<const material::Material> law) const {
-    const auto n = static_cast<int>(m_cells);
-    const int all = n == 1 ? 1 : n + (n + 1) / 2;
-    const basis::KnotLines line = basis::KnotLines::uniform(0.0, side * all / n, all);
-    solver::SimulationSetup<3> setup{.lines = {line, line, line}};
-    m_run.apply_to(setup);
-    for (auto& direction : setup.walls) direction = {grid::Wall::symmetry, grid::Wall::free};
-    setup.materials = {std::move(law)};
-    setup.filling = {
-        [](const Vector<3>& x) {
-          return *std::max_element(x.begin(), x.end()) < side ? std::optional(0) : std::nullopt;
-        },
-        [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
-    return setup;
-  }
-
-  /// A piece of surface before each particle of the two free sides.
-  void press_sides(solver::Simulation<3>& simulation) const {
-    const auto n = static_cast<int>(m_cells * m_run.particles_per_cell_direction);
-    const double spacing = side / n;
-    std::vector<particles::SurfacePiece<3>> pieces;
-    for (const std::size_t normal : {std::size_t{0}, std::size_t{2}})
-      for (int j = 0; j < n; ++j)
-        for (int k = 0; k < n; ++k) {
-          particles::SurfacePiece<3> piece{{}, {}, {}, m_pressure};
-          piece.anchor[normal] = side - 0.5 * spacing;
-          piece.anchor[1] = (j + 0.5) * spacing;
-          piece.anchor[2 - normal] = (k + 0.5) * spacing;
-          piece.offset[normal] = 0.5 * spacing;
-          piece.area[normal] = spacing * spacing;
-          pieces.push_back(piece);
-        }
-    simulation.boundary().add(pieces);
-  }
-
-  void compress(solver::Simulation<3>& simulation, const material::Material& law,
-                io::Summary& summary);
-  double velocity_at(double time) const {
-    const double ramp = 2.0 * ramp_strain * side / m_velocity;
-    if (time >= ramp) return m_velocity;
-    return 0.5 * m_velocity * (1.0 - std::cos(std::numbers::pi * time / ramp));
-  }
-  static CubeState observe(const solver::Simulation<3>& simulation);
-  void compare_with_material_point(const material::Material& law, io::Summary& summary) const;
-
-  struct Row {
-    double strain, q, volumetric_strain;
-  };
-
-  RunOptions m_run;
-  std::int64_t m_cells = 1;
-  double m_pressure = 150e3;
-  double m_strain_end = 0.3;
-  double m_velocity = 0.01;
-  material::SandFactory m_sand;
-  std::vector<Row> m_rows;
-};
-
-CubeState Triaxial::observe(const solver::Simulation<3>& simulation) {
+CubeState observe(const solver::Simulation<3>& simulation) {
   const auto& particles = simulation.particles();
   const auto view = particles.view();
   SymmetricTensor sum;
@@ -180,66 +73,187 @@ CubeState Triaxial::observe(const solver::Simulation<3>& simulation) {
           petsc::maximum(spread) / p};
 }
 
-void Triaxial::compress(solver::Simulation<3>& simulation, const material::Material& law,
-                        io::Summary& summary) {
-  const auto platen = std::make_shared<Platen>();
-  simulation.add_condition(platen);
-  RunLoop<3> loop(m_run, simulation);
-  io::CsvFile history(
-      m_run.output_dir + "/history.csv",
-      {"axial_strain", "q_Pa", "p_Pa", "volumetric_strain", "void_ratio", "axial_stress_platen_Pa",
-       "stress_spread", "kinetic_energy_J", "dt_s", "step"});
-  const double volume_0 = observe(simulation).volume;
-  double seconds = 0.0, work = 0.0, largest_spread = 0.0, largest_kinetic_share = 0.0;
-  const auto strain = [&] { return std::log(side / platen->height); };
-  const auto write_row = [&] {
-    const CubeState cube = observe(simulation);
-    const auto& state = simulation.state();
-    const double area = cube.volume / platen->height;
-    const double force = petsc::sum(std::exchange(platen->impulse, 0.0)) /
-                         std::max(std::exchange(seconds, 0.0), 1e-300);
-    const double axial_stress = state.step > 0 ? force / area : m_pressure;
-    const double volumetric = -std::log(cube.volume / volume_0);
-    const double before = m_rows.empty() ? 0.0 : m_rows.back().strain;
-    work += axial_stress * cube.volume * (strain() - before);
-    const double kinetic = simulation.kinetic_energy();
-    largest_spread = std::max(largest_spread, cube.spread);
-    if (strain() >= first_measured)
-      largest_kinetic_share = std::max(largest_kinetic_share, kinetic / work);
-    m_rows.push_back({strain(), cube.q, volumetric});
-    history.row({strain(), cube.q, cube.p, volumetric, cube.void_ratio, axial_stress, cube.spread,
-                 kinetic, state.dt_old, static_cast<double>(state.step)});
+/// Options of the triaxial scene. The cube stands at the origin, y is its axis.
+struct TriaxialOptions {
+  RunOptions run;
+  material::SandFactory sand;
+  std::int64_t cells = 1;   ///< per side
+  double pressure = 150e3;  ///< Pa
+  double strain_end = 0.3;  ///< logarithmic
+  double velocity = 0.01;   ///< m/s, downward
+
+  TriaxialOptions() {
+    run.output_dir = "out/triaxial";
+    run.basis = basis::Kind::linear;
+    run.courant = 0.5;
+    sand.parameters().cohesion = 0.0;
+    sand.parameters().void_ratio = 0.551;
+  }
+
+  void declare(options::OptionSet& options) {
+    run.declare(options);
+    options.section("Triaxial");
+    options.integer("cells", cells, {1, 64},
+                    {"1", "cells per side; one is enough for linear functions, cubic ones need 4",
+                     "paper, section 3.1"});
+    options.real("confining_pressure", pressure, options::positive(),
+                 {"Pa", "on the sides, and everywhere at the start", "paper, section 3.1"});
+    options.real("strain_end", strain_end, {.minimum = 0.0, .maximum = 0.4, .open_minimum = true},
+                 {"1", "last axial strain, logarithmic", "chosen"});
+    options.real("triaxial_velocity", velocity, options::positive(),
+                 {"m/s", "of the top, downward", "chosen: slow"});
+    sand.declare(options);
+  }
+
+  /// Free sides bulge into half a side of empty cells; a single cell holds all by itself.
+  solver::SimulationSetup<3> setup() const {
+    const auto n = static_cast<int>(cells);
+    const int all = n == 1 ? 1 : n + (n + 1) / 2;
+    const basis::KnotLines line = basis::KnotLines::uniform(0.0, side * all / n, all);
+    solver::SimulationSetup<3> setup{.lines = {line, line, line}};
+    run.apply_to(setup);
+    for (auto& direction : setup.walls) direction = {grid::Wall::symmetry, grid::Wall::free};
+    setup.materials = {sand.create()};
+    setup.filling = {
+        [](const Vector<3>& x) {
+          return *std::max_element(x.begin(), x.end()) < side ? std::optional(0) : std::nullopt;
+        },
+        [this](const auto&) { return static_cast<int>(run.particles_per_cell_direction); }};
+    return setup;
+  }
+
+  /// A piece of surface before each particle of the two free sides.
+  std::vector<particles::SurfacePiece<3>> sides() const {
+    const auto n = static_cast<int>(cells * run.particles_per_cell_direction);
+    const double spacing = side / n;
+    std::vector<particles::SurfacePiece<3>> pieces;
+    for (const std::size_t normal : {std::size_t{0}, std::size_t{2}})
+      for (int j = 0; j < n; ++j)
+        for (int k = 0; k < n; ++k) {
+          particles::SurfacePiece<3> piece{{}, {}, {}, pressure};
+          piece.anchor[normal] = side - 0.5 * spacing;
+          piece.anchor[1] = (j + 0.5) * spacing;
+          piece.anchor[2 - normal] = (k + 0.5) * spacing;
+          piece.offset[normal] = 0.5 * spacing;
+          piece.area[normal] = spacing * spacing;
+          pieces.push_back(piece);
+        }
+    return pieces;
+  }
+
+  double velocity_at(double time) const {
+    const double ramp = 2.0 * ramp_strain * side / velocity;
+    if (time >= ramp) return velocity;
+    return 0.5 * velocity * (1.0 - std::cos(std::numbers::pi * time / ramp));
+  }
+};
+
+/// The paper's triaxial element tests (section 3.1) in the whole method: a cube between three
+/// symmetry planes, pressed on its two free sides, is compressed from the top.
+class TriaxialRun {
+ public:
+  TriaxialRun(const TriaxialOptions& options, io::Summary& summary);
+  void run();
+
+ private:
+  struct Row {
+    double strain, q, volumetric_strain;
   };
+
+  void after_step();
+  void write_row();
+  double axial_stress_since_row(const CubeState& cube);
+  void compare_with_material_point() const;
+  double strain() const { return std::log(side / m_platen->height); }
+
+  const TriaxialOptions& m_options;
+  io::Summary& m_summary;
+  solver::Simulation<3> m_simulation;
+  std::shared_ptr<Platen> m_platen = std::make_shared<Platen>();
+  RunLoop<3> m_loop;
+  io::CsvFile m_history;
+  std::vector<Row> m_rows;
+  double m_initial_volume = 0.0;
+  double m_time_since_row = 0.0;
+  double m_work = 0.0;  ///< of the platen, J
+  double m_largest_spread = 0.0;
+  double m_largest_kinetic_share = 0.0;
+};
+
+TriaxialRun::TriaxialRun(const TriaxialOptions& options, io::Summary& summary)
+    : m_options(options),
+      m_summary(summary),
+      m_simulation(options.setup()),
+      m_loop(options.run, m_simulation),
+      m_history(options.run.output_dir + "/history.csv",
+                {"axial_strain", "q_Pa", "p_Pa", "volumetric_strain", "void_ratio",
+                 "axial_stress_platen_Pa", "stress_spread", "kinetic_energy_J", "dt_s", "step"}) {
+  const double p0 = options.pressure;
+  prescribe_stress<3>(m_simulation, [p0](const auto&) {
+    return SymmetricTensor{{-p0, -p0, -p0, 0.0, 0.0, 0.0}};
+  });
+  m_simulation.boundary().add(options.sides());
+  m_simulation.add_condition(m_platen);
+  m_initial_volume = observe(m_simulation).volume;
+}
+
+void TriaxialRun::run() {
   write_row();
-  loop.write_fields();
-  loop.run({.name = "compression",
-            .share_done = [&] { return strain() / m_strain_end + 1e-9; },
-            .before_step =
-                [&] {
-                  const auto& state = simulation.state();
-                  platen->velocity = velocity_at(state.time_in_stage + 0.5 * state.dt);
-                },
-            .after_step =
-                [&] {
-                  const auto& state = simulation.state();
-                  platen->height -= platen->velocity * state.dt_old;
-                  seconds += state.last_momentum_dt;
-                  if (strain() >= row_spacing * static_cast<double>(m_rows.size())) write_row();
-                },
-            .status = [&] { return fmt::format("q {:.1f} kPa", m_rows.back().q / 1e3); }});
-  loop.write_fields();
-  loop.summarise(summary);
-  summary.set("stress_spread_max", largest_spread);
-  summary.set("kinetic_energy_over_work_max", largest_kinetic_share);
-  if (m_rows.size() > 1) compare_with_material_point(law, summary);
+  m_loop.write_fields();
+  m_loop.run({.name = "compression",
+              .share_done = [&] { return strain() / m_options.strain_end + 1e-9; },
+              .before_step =
+                  [&] {
+                    const auto& state = m_simulation.state();
+                    m_platen->velocity =
+                        m_options.velocity_at(state.time_in_stage + 0.5 * state.dt);
+                  },
+              .after_step = [&] { after_step(); },
+              .status = [&] { return fmt::format("q {:.1f} kPa", m_rows.back().q / 1e3); }});
+  m_loop.write_fields();
+  m_loop.summarise(m_summary);
+  m_summary.set("stress_spread_max", m_largest_spread);
+  m_summary.set("kinetic_energy_over_work_max", m_largest_kinetic_share);
+  if (m_rows.size() > 1) compare_with_material_point();
+}
+
+void TriaxialRun::after_step() {
+  const auto& state = m_simulation.state();
+  m_platen->height -= m_platen->velocity * state.dt_old;
+  m_time_since_row += state.last_momentum_dt;
+  if (strain() >= row_spacing * static_cast<double>(m_rows.size())) write_row();
+}
+
+/// Mean over the interval since the last row; the confining pressure before the first step.
+double TriaxialRun::axial_stress_since_row(const CubeState& cube) {
+  const double impulse = petsc::sum(std::exchange(m_platen->impulse, 0.0));
+  const double seconds = std::exchange(m_time_since_row, 0.0);
+  if (seconds == 0.0) return m_options.pressure;
+  return impulse / seconds / (cube.volume / m_platen->height);
+}
+
+void TriaxialRun::write_row() {
+  const CubeState cube = observe(m_simulation);
+  const auto& state = m_simulation.state();
+  const double axial_stress = axial_stress_since_row(cube);
+  const double volumetric = -std::log(cube.volume / m_initial_volume);
+  const double before = m_rows.empty() ? 0.0 : m_rows.back().strain;
+  const double kinetic = m_simulation.kinetic_energy();
+  m_work += axial_stress * cube.volume * (strain() - before);
+  m_largest_spread = std::max(m_largest_spread, cube.spread);
+  if (strain() >= first_measured)
+    m_largest_kinetic_share = std::max(m_largest_kinetic_share, kinetic / m_work);
+  m_rows.push_back({strain(), cube.q, volumetric});
+  m_history.row({strain(), cube.q, cube.p, volumetric, cube.void_ratio, axial_stress, cube.spread,
+                 kinetic, state.dt_old, static_cast<double>(state.step)});
 }
 
 /// The same test at a single point without grid, interpolated to the strains of the rows.
-void Triaxial::compare_with_material_point(const material::Material& law,
-                                           io::Summary& summary) const {
-  const auto curve = material::run_element_test(law, {.confining_pressure = m_pressure,
-                                                      .strain_end = m_rows.back().strain,
-                                                      .increments = m_rows.size() * 10});
+void TriaxialRun::compare_with_material_point() const {
+  const auto curve = material::run_element_test(*m_simulation.particles().materials()[0],
+                                                {.confining_pressure = m_options.pressure,
+                                                 .strain_end = m_rows.back().strain,
+                                                 .increments = m_rows.size() * 10});
   const auto peak = std::max_element(curve.begin(), curve.end(),
                                      [](const auto& a, const auto& b) { return a.q < b.q; });
   const Row highest = *std::max_element(m_rows.begin(), m_rows.end(),
@@ -255,13 +269,30 @@ void Triaxial::compare_with_material_point(const material::Material& law,
     error_q = std::max(error_q, std::abs(row.q - q) / peak->q);
     error_volume = std::max(error_volume, std::abs(row.volumetric_strain - v));
   }
-  summary.set("q_peak_Pa", highest.q);
-  summary.set("strain_at_peak", highest.strain);
-  summary.set("q_end_Pa", m_rows.back().q);
-  summary.set("q_peak_material_point_Pa", peak->q);
-  summary.set("error_q", error_q);
-  summary.set("error_volumetric_strain", error_volume);
+  m_summary.set("q_peak_Pa", highest.q);
+  m_summary.set("strain_at_peak", highest.strain);
+  m_summary.set("q_end_Pa", m_rows.back().q);
+  m_summary.set("q_peak_material_point_Pa", peak->q);
+  m_summary.set("error_q", error_q);
+  m_summary.set("error_volumetric_strain", error_volume);
 }
+
+class Triaxial : public Scene {
+ public:
+  void declare(options::OptionSet& options) override { m_options.declare(options); }
+  const std::string& output_directory() const override { return m_options.run.output_dir; }
+  void run(io::Summary& summary) override { TriaxialRun(m_options, summary).run(); }
+
+  std::string answer(const io::Summary& summary) const override {
+    if (summary.text("q_peak_Pa").empty()) return "ended before the first row under load";
+    return fmt::format("peak q {:.4g} kPa at strain {:.3g}, {:.2g} % off the material point",
+                       summary.number("q_peak_Pa") / 1e3, summary.number("strain_at_peak"),
+                       100.0 * summary.number("error_q"));
+  }
+
+ private:
+  TriaxialOptions m_options;
+};
 
 }  // namespace
 
