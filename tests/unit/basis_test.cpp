@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "mpm/basis/BSpline.hpp"
+#include "mpm/basis/Gimp.hpp"
 #include "mpm/core/Errors.hpp"
 
 namespace mpm::basis {
@@ -23,12 +24,14 @@ std::vector<double> probes(const KnotLines& lines) {
 
 template <class Check>
 void for_every_basis(const Check& check) {
-  for (const KnotLines& lines : {KnotLines::uniform(-1.3, 2.4, 7), graded()})
+  for (const KnotLines& lines : {KnotLines::uniform(-1.3, 2.4, 7), graded()}) {
+    for (int particles_per_cell : {1, 2, 3}) check(Gimp(lines, particles_per_cell));
     for (EndTreatment ends : {EndTreatment::mirror, EndTreatment::open_knot}) {
       check(BSpline<1>(lines, ends));
       check(BSpline<2>(lines, ends));
       check(BSpline<3>(lines, ends));
     }
+  }
 }
 
 TEST(Basis, weights_sum_to_one_and_gradients_to_zero_up_to_every_wall) {
@@ -103,6 +106,61 @@ TEST(Basis, an_open_end_interpolates_at_the_wall) {
   basis.evaluate(0, basis.lines().begin(), N, dN);
   EXPECT_NEAR(N[0], 1.0, 1e-15);
   EXPECT_NEAR(basis.nodes().positions[0], basis.lines().begin(), 1e-15);
+}
+
+/// Bardenhagen & Kober (2004): the function of a node at distance r, cells of width h, particles of
+/// extent 2 l.
+double closed_form_of_gimp(double r, double h, double l) {
+  r = std::abs(r);
+  if (r < l) return 1.0 - (r * r + l * l) / (2 * h * l);
+  if (r < h - l) return 1.0 - r / h;
+  if (r < h + l) return (h + l - r) * (h + l - r) / (4 * h * l);
+  return 0.0;
+}
+
+TEST(Gimp, weights_on_equal_cells_are_the_closed_form) {
+  const double h = 0.35;
+  const KnotLines lines = KnotLines::uniform(-1.3, -1.3 + 7 * h, 7);
+  for (int particles_per_cell : {1, 2, 3, 5}) {
+    const Gimp basis(lines, particles_per_cell);
+    const NodeLine nodes = basis.nodes();
+    for (int k = 0; k < 7 * 40; ++k) {
+      const double x = lines.begin() + (k + 0.37) * h / 40;
+      const int cell = lines.cell_of(x);
+      Gimp::Values S, dS;
+      basis.evaluate(cell, x, S, dS);
+      std::vector<double> all(nodes.positions.size(), 0.0);
+      for (std::size_t a = 0; a < Gimp::support; ++a)
+        all[static_cast<std::size_t>(Gimp::first_node(cell)) + a] = S[a];
+      for (std::size_t I = 0; I < all.size(); ++I)
+        EXPECT_NEAR(all[I],
+                    closed_form_of_gimp(x - nodes.positions[I], h, 0.5 * h / particles_per_cell),
+                    1e-13);
+    }
+  }
+}
+
+TEST(Gimp, weights_and_slopes_are_continuous_across_equal_cells) {
+  const KnotLines lines = KnotLines::uniform(-1.3, 2.4, 7);
+  for (int particles_per_cell : {1, 2, 3}) {
+    const Gimp basis(lines, particles_per_cell);
+    for (int cell = 1; cell < lines.cells(); ++cell) {
+      Gimp::Values S, dS, next_S, next_dS;
+      basis.evaluate(cell - 1, lines.line(cell), S, dS);
+      basis.evaluate(cell, lines.line(cell), next_S, next_dS);
+      EXPECT_NEAR(S[0], 0.0, 1e-13);
+      EXPECT_NEAR(dS[0], 0.0, 1e-12);
+      for (std::size_t a = 1; a < Gimp::support; ++a) {
+        EXPECT_NEAR(S[a], next_S[a - 1], 1e-13);
+        EXPECT_NEAR(dS[a], next_dS[a - 1], 1e-12);
+      }
+    }
+  }
+}
+
+TEST(Gimp, a_single_cell_is_refused) {
+  EXPECT_THROW(Gimp(KnotLines::uniform(-0.4, 0.9, 1), 2), BadInput);
+  EXPECT_NO_THROW(Gimp(KnotLines::uniform(-0.4, 0.9, 2), 2));
 }
 
 TEST(KnotLines, the_cell_of_a_point_lies_around_it_and_outside_is_told) {
