@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -29,15 +30,17 @@ class Gimp {
   /// Smallest cell that the functions of this cell reach into, m.
   double smallest_span(int cell) const { return m_smallest_span[static_cast<std::size_t>(cell)]; }
 
-  /// Averages over x +- l of the hats of the lines cell - 1 to cell + 2, and their slopes.
+  /// Averages over x +- l of the hats of the lines cell - 1 to cell + 2, and their slopes; beyond
+  /// the cell they are continued as straight lines, so that their sum stays 1.
   void evaluate(int cell, double x, Values& S, Values& dS) const {
     const auto c = static_cast<std::size_t>(cell);
     const double l = m_half_extent[c];
     const double inverse = 0.5 / l;
+    const double inside = std::clamp(x, m_lines.line(cell), m_lines.line(cell + 1));
     for (std::size_t a = 0; a < support; ++a) {
       const Hat& hat = m_hats[c + a];
-      S[a] = inverse * (hat.integral(x + l) - hat.integral(x - l));
-      dS[a] = inverse * (hat.value(x + l) - hat.value(x - l));
+      dS[a] = inverse * (hat.value(inside + l) - hat.value(inside - l));
+      S[a] = inverse * (hat.integral(inside + l) - hat.integral(inside - l)) + dS[a] * (x - inside);
     }
   }
 
