@@ -87,10 +87,7 @@ BiaxialRun::BiaxialRun(const BiaxialOptions& options, io::Summary& summary)
 }
 
 void BiaxialRun::run() {
-  const double p0 = m_options.confining_pressure;
-  prescribe_stress<2>(m_simulation, [p0](const auto&) {
-    return SymmetricTensor{{-p0, -p0, -p0, 0.0, 0.0, 0.0}};
-  });
+  prescribe_pressure(m_simulation, m_options.confining_pressure);
   if (consolidate()) compress();
   conclude();
 }
@@ -120,7 +117,7 @@ void BiaxialRun::compress() {
                   [&] {
                     const solver::RunState& state = m_simulation.state();
                     m_plate->body().velocity[1] =
-                        -m_options.velocity_at(state.time_in_stage + 0.5 * state.dt);
+                        -m_options.ramp().at(state.time_in_stage + 0.5 * state.dt);
                   },
               .after_step = [&] { after_step(); },
               .status =

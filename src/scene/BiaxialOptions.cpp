@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "mpm/core/Errors.hpp"
 
@@ -106,12 +105,6 @@ std::vector<particles::SurfacePiece<2>> BiaxialOptions::sides() const {
                         .area = {side * spacing, 0.0},
                         .pressure = confining_pressure});
   return pieces;
-}
-
-double BiaxialOptions::velocity_at(double time) const {
-  const double ramp = 2.0 * ramp_strain * height / velocity;
-  if (time >= ramp) return velocity;
-  return 0.5 * velocity * (1.0 - std::cos(std::numbers::pi * time / ramp));
 }
 
 }  // namespace mpm::scene

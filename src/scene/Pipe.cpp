@@ -12,6 +12,7 @@
 #include "mpm/petsc/Session.hpp"
 #include "mpm/scene/GeostaticState.hpp"
 #include "mpm/scene/PipeOptions.hpp"
+#include "mpm/scene/Ramp.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "mpm/scene/Settling.hpp"
 
@@ -63,7 +64,6 @@ class PipeRun {
   void check_rest();
   void write_row();
   void report_agreement();
-  double velocity_at(double time) const;
   double displacement() const { return -m_options.depth() - m_contact->body().position[1]; }
   double u_over_D() const { return displacement() / m_options.diameter; }
   double whole(double share) const { return m_options.is_half() ? 2.0 * share : share; }
@@ -142,13 +142,6 @@ void PipeRun::check_rest() {
         errors.vertical_rms, errors.K0_rms, tolerance, N_d, expected));
 }
 
-/// V (1 - cos)/2 until the ramp's displacement is reached, then V.
-double PipeRun::velocity_at(double time) const {
-  const double V = m_options.velocity;
-  const double ramp = 2.0 * m_options.ramp_distance * m_options.diameter / V;
-  return time >= ramp ? V : 0.5 * V * (1.0 - std::cos(std::numbers::pi * time / ramp));
-}
-
 void PipeRun::after_push() {
   const solver::RunState& state = m_simulation.state();
   contact::RigidBody<2>& pipe = m_contact->body();
@@ -203,13 +196,13 @@ void PipeRun::push() {
   m_contact->take_impulse();
   m_simulation.state().time = 0.0;
   m_loop.write_fields(output_numbers());
+  const Ramp ramp{m_options.velocity, m_options.ramp_distance * m_options.diameter};
   m_loop.run({.name = "loading",
               .share_done = [&] { return u_over_D() / m_options.end_displacement + 1e-9; },
               .before_step =
                   [&] {
                     const solver::RunState& state = m_simulation.state();
-                    m_contact->body().velocity[1] =
-                        -velocity_at(state.time_in_stage + 0.5 * state.dt);
+                    m_contact->body().velocity[1] = -ramp.at(state.time_in_stage + 0.5 * state.dt);
                   },
               .after_step = [&] { after_push(); },
               .status =

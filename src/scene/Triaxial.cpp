@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "mpm/io/TextFile.hpp"
 #include "mpm/material/ElementTest.hpp"
 #include "mpm/material/SandFactory.hpp"
 #include "mpm/petsc/Session.hpp"
 #include "mpm/scene/InitialStress.hpp"
+#include "mpm/scene/Ramp.hpp"
 #include "mpm/scene/RunLoop.hpp"
 #include "mpm/scene/Scene.hpp"
 
@@ -141,11 +141,7 @@ struct TriaxialOptions {
     return pieces;
   }
 
-  double velocity_at(double time) const {
-    const double ramp = 2.0 * ramp_strain * side / velocity;
-    if (time >= ramp) return velocity;
-    return 0.5 * velocity * (1.0 - std::cos(std::numbers::pi * time / ramp));
-  }
+  Ramp ramp() const { return {velocity, ramp_strain * side}; }
 };
 
 /// The paper's triaxial element tests (section 3.1) in the whole method: a cube between three
@@ -188,10 +184,7 @@ TriaxialRun::TriaxialRun(const TriaxialOptions& options, io::Summary& summary)
       m_history(options.run.output_dir + "/history.csv",
                 {"axial_strain", "q_Pa", "p_Pa", "volumetric_strain", "void_ratio",
                  "axial_stress_platen_Pa", "stress_spread", "kinetic_energy_J", "dt_s", "step"}) {
-  const double p0 = options.pressure;
-  prescribe_stress<3>(m_simulation, [p0](const auto&) {
-    return SymmetricTensor{{-p0, -p0, -p0, 0.0, 0.0, 0.0}};
-  });
+  prescribe_pressure(m_simulation, options.pressure);
   m_simulation.boundary().add(options.sides());
   m_simulation.add_condition(m_platen);
   m_initial_volume = observe(m_simulation).volume;
@@ -205,8 +198,7 @@ void TriaxialRun::run() {
               .before_step =
                   [&] {
                     const auto& state = m_simulation.state();
-                    m_platen->velocity =
-                        m_options.velocity_at(state.time_in_stage + 0.5 * state.dt);
+                    m_platen->velocity = m_options.ramp().at(state.time_in_stage + 0.5 * state.dt);
                   },
               .after_step = [&] { after_step(); },
               .status = [&] { return fmt::format("q {:.1f} kPa", m_rows.back().q / 1e3); }});

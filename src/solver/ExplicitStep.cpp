@@ -233,10 +233,7 @@ double ExplicitStep<dim, Basis>::smallest_transit_time() const {
   return smallest;
 }
 
-#define MPM_INSTANTIATE_FOR_BASIS(name, Basis)  \
-  template class ExplicitStep<1, basis::Basis>; \
-  template class ExplicitStep<2, basis::Basis>; \
-  template class ExplicitStep<3, basis::Basis>;
-MPM_BASES(MPM_INSTANTIATE_FOR_BASIS)
+#define MPM_INSTANTIATE(dim, Basis) template class ExplicitStep<dim, Basis>;
+MPM_BASES(MPM_IN_ALL_DIMENSIONS)
 
 }  // namespace mpm::solver

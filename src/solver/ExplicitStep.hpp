@@ -36,7 +36,7 @@ class ExplicitStep : public Step<dim> {
   /// Velocities for strains from the momenta just deposited, before any force. Collective.
   void take_deposited_velocities();
   /// Strains and moves the particles (Eq. 8), renews volume and stress. `strain_velocity` is one of
-  /// the two below. Local.
+  /// the two below. Collective where volume changes are averaged.
   StepReport strain_and_move(const View& particles, const transfer::AdvanceTimes& dt,
                              const transfer::NodalVector<dim>& strain_velocity,
                              const StepOptions<dim>& options);

@@ -72,10 +72,6 @@ std::unique_ptr<Step<dim>> make_step(Scheme scheme, const StepParts<dim, Basis>&
 
 #define MPM_INSTANTIATE(dim, Basis) \
   template std::unique_ptr<Step<dim>> make_step(Scheme, const StepParts<dim, Basis>&);
-#define MPM_INSTANTIATE_FOR_BASIS(name, Basis) \
-  MPM_INSTANTIATE(1, basis::Basis)             \
-  MPM_INSTANTIATE(2, basis::Basis)             \
-  MPM_INSTANTIATE(3, basis::Basis)
-MPM_BASES(MPM_INSTANTIATE_FOR_BASIS)
+MPM_BASES(MPM_IN_ALL_DIMENSIONS)
 
 }  // namespace mpm::solver

@@ -84,10 +84,6 @@ Drift move_surface(const particles::BoundaryView<dim>& boundary, const grid::Gri
   template Drift move_surface<dim, Basis>(                                                      \
       const particles::BoundaryView<dim>&, const grid::Grid<dim>&, Stencil<dim, Basis>, double, \
       const VelocityAcceleration<dim>&, const NodalVector<dim>&);
-#define MPM_INSTANTIATE_FOR_BASIS(name, Basis) \
-  MPM_INSTANTIATE(1, basis::Basis)             \
-  MPM_INSTANTIATE(2, basis::Basis)             \
-  MPM_INSTANTIATE(3, basis::Basis)
-MPM_BASES(MPM_INSTANTIATE_FOR_BASIS)
+MPM_BASES(MPM_IN_ALL_DIMENSIONS)
 
 }  // namespace mpm::transfer

@@ -294,7 +294,7 @@ void rotate_and_expand(const particles::ParticleView<dim>& particles,
   }
 }
 
-#define MPM_INSTANTIATE_SWEEPS(dim, Basis)                                                         \
+#define MPM_INSTANTIATE(dim, Basis)                                                                \
   template void deposit_mass_momentum_force<dim, Basis>(                                           \
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, const BodyForce<dim>&,             \
       const MassMomentumForce<dim>&);                                                              \
@@ -322,10 +322,6 @@ void rotate_and_expand(const particles::ParticleView<dim>& particles,
 MPM_INSTANTIATE_FOR_DIMENSION(1)
 MPM_INSTANTIATE_FOR_DIMENSION(2)
 MPM_INSTANTIATE_FOR_DIMENSION(3)
-#define MPM_INSTANTIATE_FOR_BASIS(name, Basis) \
-  MPM_INSTANTIATE_SWEEPS(1, basis::Basis)      \
-  MPM_INSTANTIATE_SWEEPS(2, basis::Basis)      \
-  MPM_INSTANTIATE_SWEEPS(3, basis::Basis)
-MPM_BASES(MPM_INSTANTIATE_FOR_BASIS)
+MPM_BASES(MPM_IN_ALL_DIMENSIONS)
 
 }  // namespace mpm::transfer

@@ -1,1 +1,1 @@
-"""Studies by tools/study that are more than a list of pipe runs."""
+"""The studies of tools/study."""

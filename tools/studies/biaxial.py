@@ -2,6 +2,8 @@
 
 import json
 
+from . import readings, rows
+
 CASES = {"C4": (0.125, 2), "M4": (0.1, 2), "M9": (0.1, 3), "F4": (0.0625, 2)}
 STRAINS = {"stress_peak_kPa": "stress_peak_Pa", "stress_residual_kPa": "stress_residual_Pa"}
 
@@ -14,7 +16,7 @@ def paper_jobs():
 
 def reading_jobs():
     """Case M4 with the three readings of Eq. 12."""
-    for reading in ("normalized", "explicit", "plain"):
+    for reading in readings.READINGS:
         yield reading, {"scene": "biaxial", "sand_softening": reading}
 
 
@@ -39,12 +41,7 @@ def table_row(job, job_dir, options):
         row[name] = f"{summary[key] / 1e3:.5g}"
     row["strain_at_peak"] = f"{summary['strain_at_peak']:.4g}"
     row["reaction_difference_rms"] = f"{summary['reaction_difference_rms']:.3g}"
-    for key in ("particles", "steps", "ranks"):
-        row[key] = summary[key]
-    row["wall_s"] = f"{summary['wall_s']:.1f}"
-    row["settings"] = " ".join(f"-{name} {value}" for name, value in options.items())
-    row["commit"] = summary["git_hash"]
-    return row
+    return row | rows.cost(summary) | rows.provenance(options, summary)
 
 
 STUDIES = {"biaxial": paper_jobs, "biaxial_readings": reading_jobs,

@@ -3,7 +3,7 @@
 import csv
 import json
 
-from . import readings
+from . import readings, rows
 
 DISPLACEMENTS = (0.05, 0.1, 0.2)
 
@@ -84,12 +84,7 @@ def table_row(job, job_dir, options):
         row |= {"N_d_at_0.4": f"{resistance_at(job_dir, 0.4):.4g}"}
         row |= {key: summary[key] for key in ("N_df", "u_df_over_D")}
     row["reaction_difference_rms"] = f"{summary['reaction_difference_rms']:.3g}"
-    for key in ("particles", "steps", "ranks"):
-        row[key] = summary[key]
-    row["wall_s"] = f"{summary['wall_s']:.1f}"
-    row["settings"] = " ".join(f"-{name} {value}" for name, value in options.items())
-    row["commit"] = summary["git_hash"]
-    return row
+    return row | rows.cost(summary) | rows.provenance(options, summary)
 
 
 STUDIES = {"contact": contact_jobs, "domain": domain_jobs, "velocity": velocity_jobs,

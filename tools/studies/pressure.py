@@ -6,7 +6,7 @@ import numpy as np
 
 from plotting.run import Run
 
-from . import pipe
+from . import pipe, rows
 
 DISPLACEMENTS = (0.1, 0.2, 0.4, 0.9)
 NEIGHBOURHOOD = 0.3  # D, over which the smooth field is fitted
@@ -64,12 +64,7 @@ def table_row(job, job_dir, options):
     for u in (0.05, 0.1, 0.2, 0.4):
         row[f"N_d_at_{u}"] = f"{pipe.resistance_at(job_dir, u):.4g}"
     row["N_d_end"] = f"{summary['N_d_end']:.4g}"
-    for key in ("particles", "steps", "ranks"):
-        row[key] = summary[key]
-    row["step_loop_s"] = f"{summary['step_loop_s']:.1f}"
-    row["settings"] = " ".join(f"-{name} {value}" for name, value in options.items())
-    row["commit"] = summary["git_hash"]
-    return row
+    return row | rows.cost(summary, "step_loop_s") | rows.provenance(options, summary)
 
 
 STUDIES = {"pressure_scatter": jobs}

@@ -8,6 +8,8 @@ import csv
 import json
 import math
 
+from .rows import provenance
+
 READINGS = ("normalized", "plain", "explicit")
 PACKINGS = {"dense": 0.524, "medium": 0.657}
 TESTS = ("triaxial_compression", "plane_strain")
@@ -92,9 +94,7 @@ def table_row(job, job_dir, options):
         "bolton_dilatancy": f"{0.3 * index:.3f}",
         "stress_ratio_over_M_at_0.3": f"{ratio_30:.4f}", "psi_at_0.3": f"{psi_30:.4f}",
         "stress_ratio_over_M_at_2": f"{ratio_end:.5f}", "psi_at_2": f"{psi_end:.5f}",
-        "settings": " ".join(f"-{name} {value}" for name, value in options.items()),
-        "commit": summary["git_hash"],
-    }
+    } | provenance(options, summary)
 
 
 STUDIES = {"readings": jobs}

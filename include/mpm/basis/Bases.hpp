@@ -16,6 +16,13 @@
   X(quadratic, BSpline<2>) \
   X(cubic, BSpline<3>)
 
+/// MPM_BASES(MPM_IN_ALL_DIMENSIONS) expands MPM_INSTANTIATE(dim, Basis), which the source defines
+/// before, for every basis in one to three dimensions.
+#define MPM_IN_ALL_DIMENSIONS(name, Basis) \
+  MPM_INSTANTIATE(1, basis::Basis)         \
+  MPM_INSTANTIATE(2, basis::Basis)         \
+  MPM_INSTANTIATE(3, basis::Basis)
+
 namespace mpm::basis {
 
 #define MPM_NAME_OF_BASIS(name, Basis) name,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mpm/material/SandFactory.hpp"
+#include "mpm/scene/Ramp.hpp"
 #include "mpm/scene/RunOptions.hpp"
 #include "mpm/solver/Simulation.hpp"
 
@@ -31,7 +32,7 @@ struct BiaxialOptions {
   void declare(options::OptionSet& options);
   solver::SimulationSetup<2> setup() const;
   std::vector<particles::SurfacePiece<2>> sides() const;
-  double velocity_at(double time) const;
+  Ramp ramp() const { return {velocity, ramp_strain * height}; }
 
  private:
   void declare_specimen(options::OptionSet& options);
