@@ -11,6 +11,11 @@ namespace {
 constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
 constexpr std::array<const char*, 6> tensor_names{"xx", "yy", "zz", "xy", "yz", "xz"};
 
+std::string velocity_gradient_name(int i, int j) {
+  return fmt::format("velocity_gradient_{}{}", axis_names[static_cast<std::size_t>(i)],
+                     axis_names[static_cast<std::size_t>(j)]);
+}
+
 }  // namespace
 
 template <int dim>
@@ -25,7 +30,8 @@ std::vector<std::string> column_names(const Field& field) {
 }
 
 template <int dim>
-ParticleView<dim>::ParticleView(const Swarm<dim>& swarm, std::span<const std::string> state_names)
+ParticleView<dim>::ParticleView(const Swarm<dim>& swarm, std::span<const std::string> state_names,
+                                const OptionalColumns& optional)
     : count(swarm.local_count()), m_columns(swarm.dm()) {
   m_columns.open_vector("position", position);
   m_columns.open_vector("velocity", velocity);
@@ -38,12 +44,18 @@ ParticleView<dim>::ParticleView(const Swarm<dim>& swarm, std::span<const std::st
   id = static_cast<std::int64_t*>(m_columns.open("DMSwarm_pid"));
   material = static_cast<PetscInt*>(m_columns.open("material"));
   for (const std::string& name : state_names) state.push_back(m_columns.reals(name));
+  if (optional.velocity_gradient)
+    for (int i = 0; i < dim; ++i)
+      for (int j = 0; j < dim; ++j)
+        velocity_gradient[i][j] = m_columns.reals(velocity_gradient_name(i, j));
 }
 
 template <int dim>
-Particles<dim>::Particles(const grid::Grid<dim>& grid, Materials materials)
+Particles<dim>::Particles(const grid::Grid<dim>& grid, Materials materials,
+                          OptionalColumns optional)
     : m_grid(grid),
       m_materials(std::move(materials)),
+      m_optional(optional),
       m_swarm(grid, "particle", declare_fields()),
       m_ranges(m_materials.size()) {}
 
@@ -73,6 +85,9 @@ std::vector<typename Swarm<dim>::Column> Particles<dim>::declare_fields() {
   for (const Field& field : m_fields)
     for (const std::string& name : column_names<dim>(field)) columns.push_back({name, Type::real});
   columns.push_back({"material", Type::integer});
+  if (m_optional.velocity_gradient)
+    for (int i = 0; i < dim; ++i)
+      for (int j = 0; j < dim; ++j) columns.push_back({velocity_gradient_name(i, j), Type::real});
   return columns;
 }
 
@@ -91,6 +106,9 @@ void Particles<dim>::fill(const Seed<dim>& seed, const ParticleView<dim>& view, 
   view.id[p] = seed.id;
   view.material[p] = seed.material;
   for (double* state : view.state) state[p] = 0.0;
+  if (m_optional.velocity_gradient)
+    for (const auto& row : view.velocity_gradient)
+      for (double* component : row) component[p] = 0.0;
   const auto variables = m_materials[k]->state_variables();
   for (std::size_t s = 0; s < variables.size(); ++s)
     view.state[m_state_of_material[k][s]][p] = variables[s].initial;

@@ -9,7 +9,8 @@ void RunOptions::declare(options::OptionSet& options) {
   options.choice(
       "basis", basis, basis::kinds(),
       {"",
-       "shape functions: linear (standard MPM), uGIMP, or B-splines; gimp always mirrors at walls",
+       "shape functions: linear (standard MPM), uGIMP, dual domain (DDMP), or B-splines; gimp and "
+       "ddmp always mirror at walls",
        "paper, section 2.2"});
   options.choice(
       "basis_boundary", ends,
@@ -26,16 +27,20 @@ void RunOptions::declare(options::OptionSet& options) {
        "of "
        "the momentum update (usl), or first (usf)",
        "Eqs. 1-9; docs/model.md"});
-  options.choice("transfer", transfer, {{"flip", Transfer::flip}, {"pic", Transfer::pic}},
-                 {"",
-                  "how grid motion reaches the particles: by its change, or by itself, which damps "
-                  "the more the smaller the step",
-                  "Eq. 7"});
+  options.choice(
+      "transfer", transfer,
+      {{"flip", solver::Transfer::flip},
+       {"pic", solver::Transfer::pic},
+       {"apic", solver::Transfer::apic}},
+      {"",
+       "how grid motion reaches the particles: by its change; by itself, which damps the more the "
+       "smaller the step; or by itself with particles that carry its gradient too",
+       "Eq. 7; docs/model.md"});
   options.optional_real(
       "flip_time", flip_time, options::positive(), "pure FLIP",
       {"s",
        "time in which particle velocities turn into the grid's: keeps exp(-dt/tau) per step; "
-       "without meaning for pic",
+       "for flip only",
        "docs/model.md"});
   options.flag("average_volume", averages_volume,
                {"",

@@ -24,10 +24,26 @@ ExplicitStep<dim, Basis>::ExplicitStep(const StepParts<dim, Basis>& parts)
       m_remapped(parts.grid, transfer::NodalVector<dim>::components()) {}
 
 template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::find_mass(const View& particles) {
+  if (!m_mass)
+    m_mass = std::make_unique<grid::NodalField<dim>>(
+        m_parts.grid, std::vector<grid::Component>{{grid::Component::scalar}});
+  m_mass->set_to_zero();
+  transfer::deposit_mass<dim, Basis>(particles, stencil(), m_mass->values(0));
+  m_mass->sum_to_owners();
+  m_parts.walls.fold(m_parts.grid, *m_mass);
+  m_parts.walls.unfold(m_parts.grid, *m_mass);
+  m_mass->copy_to_ghosts();
+}
+
+template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::deposit(const View& particles, const StepOptions<dim>& options) {
+  if constexpr (transfer::DualBasis<Basis>) find_mass(particles);
   const transfer::MassMomentumForce<dim> sums(m_sums);
   m_sums.set_to_zero();
   transfer::deposit_mass_momentum_force<dim, Basis>(particles, stencil(), options.body_force, sums);
+  if (options.transfer == Transfer::apic)
+    transfer::deposit_affine_momentum<dim, Basis>(particles, stencil(), sums.momentum);
   if (!m_parts.boundary.is_empty())
     transfer::deposit_surface_load<dim, Basis>(m_parts.boundary.view(), stencil(), sums);
   m_sums.sum_to_owners();
@@ -37,8 +53,10 @@ template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::update_velocities(const View& particles, const RunState& state,
                                                  const StepOptions<dim>& options) {
   const double dt = state.momentum_dt();
-  transfer::update_velocities<dim, Basis>(particles, stencil(), dt, options.flip_share(dt),
-                                          transfer::VelocityAcceleration<dim>(m_rates));
+  const transfer::VelocityAcceleration<dim> rates(m_rates);
+  transfer::update_velocities<dim, Basis>(particles, stencil(), dt, options.flip_share(dt), rates);
+  if (options.transfer == Transfer::apic)
+    transfer::gather_velocity_gradient<dim, Basis>(particles, stencil(), rates.velocity);
 }
 
 template <int dim, class Basis>
@@ -46,10 +64,14 @@ void ExplicitStep<dim, Basis>::update_velocities_and_remap(const View& particles
                                                            const RunState& state,
                                                            const StepOptions<dim>& options) {
   const double dt = state.momentum_dt();
+  const transfer::VelocityAcceleration<dim> rates(m_rates);
   m_remapped.set_to_zero();
   transfer::update_velocities_and_deposit_momentum<dim, Basis>(
-      particles, stencil(), dt, options.flip_share(dt),
-      transfer::VelocityAcceleration<dim>(m_rates), remapped_velocity());
+      particles, stencil(), dt, options.flip_share(dt), rates, remapped_velocity());
+  if (options.transfer == Transfer::apic) {
+    transfer::gather_velocity_gradient<dim, Basis>(particles, stencil(), rates.velocity);
+    transfer::deposit_affine_momentum<dim, Basis>(particles, stencil(), remapped_velocity().value);
+  }
   m_remapped.sum_to_owners();
   constrain_remapped_momentum();
   m_remapped.copy_to_ghosts();

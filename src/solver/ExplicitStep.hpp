@@ -53,7 +53,11 @@ class ExplicitStep : public Step<dim> {
   int update_stress(const View& view);
   /// Replaces the volume change of every particle by the mean over its surroundings. Collective.
   void average_volume_change(const View& particles);
-  transfer::Stencil<dim, Basis> stencil() const { return {m_parts.grid, m_parts.bases}; }
+  /// Nodal mass before anything else, for bases whose gradient depends on it. Collective.
+  void find_mass(const View& particles);
+  transfer::Stencil<dim, Basis> stencil() const {
+    return {m_parts.grid, m_parts.bases, m_mass ? m_mass->values(0) : nullptr};
+  }
 
   StepParts<dim, Basis> m_parts;
   transfer::BasisDeposit<dim, Basis> m_point_deposit;
@@ -61,6 +65,7 @@ class ExplicitStep : public Step<dim> {
   grid::NodalField<dim> m_rates;                           ///< velocity, acceleration
   grid::NodalField<dim> m_remapped;                        ///< momentum of Eq. 9, then its velocity
   std::unique_ptr<grid::NodalField<dim>> m_volume_change;  ///< volume and its change, if averaged
+  std::unique_ptr<grid::NodalField<dim>> m_mass;           ///< for dual bases
   transfer::Increments m_increments;
   double m_unbalanced_force = 0.0;
 };

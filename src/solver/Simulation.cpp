@@ -54,12 +54,15 @@ template <int dim>
 Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
     : m_grid(make_grid(setup)),
       m_walls(setup.walls),
-      m_particles(std::make_unique<particles::Particles<dim>>(*m_grid, setup.materials)),
+      m_particles(std::make_unique<particles::Particles<dim>>(
+          *m_grid, setup.materials,
+          particles::OptionalColumns{.velocity_gradient = setup.transfer == Transfer::apic})),
       m_boundary(std::make_unique<particles::BoundaryParticles<dim>>(*m_grid)),
       m_step(make_step(setup)),
       m_courant(setup.courant),
       m_dt_limit(no_limit) {
   m_options.body_force.uniform = setup.gravity;
+  m_options.transfer = setup.transfer;
   m_options.flip_time = setup.flip_time;
   m_options.averages_volume = setup.averages_volume;
   seed(setup);
@@ -119,6 +122,9 @@ void Simulation<dim>::start_from_rest() {
   const particles::ParticleView<dim> view = m_particles->view();
   for (int p = 0; p < view.count; ++p) {
     for (int d = 0; d < dim; ++d) view.velocity[d][p] = view.displacement[d][p] = 0.0;
+    if (m_options.transfer == Transfer::apic)
+      for (const auto& row : view.velocity_gradient)
+        for (double* component : row) component[p] = 0.0;
     view.deviatoric_strain[p] = 0.0;
   }
   m_state.dt_old = 0.0;

@@ -103,6 +103,16 @@ void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
   }
 }
 
+template <int dim, class Basis>
+void deposit_mass(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
+                  double* mass) {
+  for (int p = 0; p < particles.count; ++p) {
+    stencil.move_to(particles.position_of(p));
+    stencil.for_each_node(
+        [&](std::ptrdiff_t I, double N, const Vector<dim>&) { mass[I] += particles.mass[p] * N; });
+  }
+}
+
 /// The particle's velocity after Eq. 7, a share of it the grid's own.
 template <int dim, class Basis>
 Vector<dim> updated_velocity(const Vector<dim>& old, const Stencil<dim, Basis>& stencil, double dt,
@@ -142,6 +152,43 @@ void update_velocities_and_deposit_momentum(const particles::ParticleView<dim>& 
     stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>&) {
       for (int d = 0; d < dim; ++d) momentum.value[d][I] += m_p * v_p[d] * N;
     });
+  }
+}
+
+template <int dim, class Basis>
+void deposit_affine_momentum(const particles::ParticleView<dim>& particles,
+                             Stencil<dim, Basis> stencil,
+                             const std::array<double*, dim>& momentum) {
+  for (int p = 0; p < particles.count; ++p) {
+    std::array<Vector<dim>, dim> m_C;
+    for (int i = 0; i < dim; ++i)
+      for (int j = 0; j < dim; ++j)
+        m_C[i][j] = particles.mass[p] * particles.velocity_gradient[i][j][p];
+    stencil.move_to(particles.position_of(p));
+    stencil.for_each_moment([&](std::ptrdiff_t I, double, const Vector<dim>& N_r) {
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j) momentum[i][I] += m_C[i][j] * N_r[j];
+    });
+  }
+}
+
+template <int dim, class Basis>
+void gather_velocity_gradient(const particles::ParticleView<dim>& particles,
+                              Stencil<dim, Basis> stencil,
+                              const std::array<double*, dim>& velocity) {
+  for (int p = 0; p < particles.count; ++p) {
+    std::array<Vector<dim>, dim> B{};
+    stencil.move_to(particles.position_of(p));
+    stencil.for_each_moment([&](std::ptrdiff_t I, double, const Vector<dim>& N_r) {
+      for (int i = 0; i < dim; ++i)
+        for (int j = 0; j < dim; ++j) B[i][j] += velocity[i][I] * N_r[j];
+    });
+    for (int j = 0; j < dim; ++j) {
+      // Where one node has all the weight there is no gradient to be seen.
+      const double D = stencil.second_moment(j);
+      const double inverse = D > 0.0 ? 1.0 / D : 0.0;
+      for (int i = 0; i < dim; ++i) particles.velocity_gradient[i][j][p] = B[i][j] * inverse;
+    }
   }
 }
 
@@ -304,6 +351,12 @@ void rotate_and_expand(const particles::ParticleView<dim>& particles,
   template void update_velocities<dim, Basis>(const particles::ParticleView<dim>&,                 \
                                               Stencil<dim, Basis>, double, double,                 \
                                               const VelocityAcceleration<dim>&);                   \
+  template void deposit_mass<dim, Basis>(const particles::ParticleView<dim>&, Stencil<dim, Basis>, \
+                                         double*);                                                 \
+  template void deposit_affine_momentum<dim, Basis>(                                               \
+      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const std::array<double*, dim>&);  \
+  template void gather_velocity_gradient<dim, Basis>(                                              \
+      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const std::array<double*, dim>&);  \
   template void deposit_volume_change<dim, Basis>(const particles::ParticleView<dim>&,             \
                                                   Stencil<dim, Basis>, const Increments&, double*, \
                                                   double*);                                        \

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "mpm/basis/BSpline.hpp"
+#include "mpm/basis/Ddmp.hpp"
 #include "mpm/basis/Gimp.hpp"
 #include "mpm/core/Errors.hpp"
 
@@ -26,6 +28,7 @@ template <class Check>
 void for_every_basis(const Check& check) {
   for (const KnotLines& lines : {KnotLines::uniform(-1.3, 2.4, 7), graded()}) {
     for (int particles_per_cell : {1, 2, 3}) check(Gimp(lines, particles_per_cell));
+    check(Ddmp(lines));
     for (EndTreatment ends : {EndTreatment::mirror, EndTreatment::open_knot}) {
       check(BSpline<1>(lines, ends));
       check(BSpline<2>(lines, ends));
@@ -106,6 +109,74 @@ TEST(Basis, an_open_end_interpolates_at_the_wall) {
   basis.evaluate(0, basis.lines().begin(), N, dN);
   EXPECT_NEAR(N[0], 1.0, 1e-15);
   EXPECT_NEAR(basis.nodes().positions[0], basis.lines().begin(), 1e-15);
+}
+
+/// Calls check(value, slope, x) with all nodes' smoothed functions at many places.
+void for_smoothed_functions(const KnotLines& lines,
+                            const std::function<void(const std::vector<double>&,
+                                                     const std::vector<double>&, double)>& check) {
+  const Ddmp basis(lines);
+  for (double x : probes(lines)) {
+    const int cell = lines.cell_of(x);
+    Ddmp::Values value, slope;
+    basis.evaluate_smoothed(cell, x, value, slope);
+    std::vector<double> values(static_cast<std::size_t>(basis.count()), 0.0), slopes = values;
+    for (std::size_t a = 0; a < Ddmp::support; ++a) {
+      values[static_cast<std::size_t>(Ddmp::first_node(cell)) + a] = value[a];
+      slopes[static_cast<std::size_t>(Ddmp::first_node(cell)) + a] = slope[a];
+    }
+    check(values, slopes, x);
+  }
+}
+
+TEST(Ddmp, smoothed_slopes_reproduce_linear_fields_up_to_every_wall) {
+  for (const KnotLines& lines : {KnotLines::uniform(-1.3, 2.4, 7), graded()}) {
+    const NodeLine nodes = Ddmp(lines).nodes();
+    for_smoothed_functions(lines, [&](const auto& values, const auto& slopes, double) {
+      EXPECT_NEAR(std::accumulate(values.begin(), values.end(), 0.0), 1.0, 1e-14);
+      EXPECT_NEAR(std::accumulate(slopes.begin(), slopes.end(), 0.0), 0.0, 1e-12);
+      EXPECT_NEAR(std::inner_product(slopes.begin(), slopes.end(), nodes.positions.begin(), 0.0),
+                  1.0, 1e-12);
+    });
+  }
+}
+
+TEST(Ddmp, smoothed_functions_are_the_projections_of_the_linear_ones_on_the_lines) {
+  const KnotLines lines = graded();
+  const BSpline<1> hats(lines, EndTreatment::mirror);
+  // On line 3: int N_3 N_a dx / int N_3 dx and int N_3 N_a' dx / int N_3 dx by the midpoint rule.
+  const int line = 3, pieces = 4000;
+  std::vector<double> value(9, 0.0), slope(9, 0.0);
+  double volume = 0.0;
+  for (int cell = line - 1; cell <= line; ++cell)
+    for (int k = 0; k < pieces; ++k) {
+      const double dx = lines.width(cell) / pieces, x = lines.line(cell) + (k + 0.5) * dx;
+      BSpline<1>::Values N, dN;
+      hats.evaluate(cell, x, N, dN);
+      const double weight = N[static_cast<std::size_t>(line - cell)] * dx;
+      volume += weight;
+      for (std::size_t a = 0; a < 2; ++a) {
+        value[static_cast<std::size_t>(cell) + a] += weight * N[a];
+        slope[static_cast<std::size_t>(cell) + a] += weight * dN[a];
+      }
+    }
+  for_smoothed_functions(lines, [&](const auto& values, const auto& slopes, double x) {
+    if (x != lines.line(line)) return;
+    for (std::size_t node = 2; node < 5; ++node) {
+      EXPECT_NEAR(values[node + 1], value[node] / volume, 1e-6);
+      EXPECT_NEAR(slopes[node + 1], slope[node] / volume, 1e-6);
+    }
+  });
+}
+
+TEST(Ddmp, the_plain_gradient_rules_in_the_middle_of_a_cell_and_the_smoothed_one_at_its_ends) {
+  const KnotLines lines = graded();
+  const Ddmp basis(lines);
+  for (int cell = 0; cell < lines.cells(); ++cell) {
+    EXPECT_NEAR(basis.bubble(cell, lines.line(cell) + 0.5 * lines.width(cell)), 1.0, 1e-14);
+    EXPECT_NEAR(basis.bubble(cell, lines.line(cell)), 0.0, 1e-14);
+    EXPECT_NEAR(basis.bubble(cell, lines.line(cell + 1)), 0.0, 1e-14);
+  }
 }
 
 /// Bardenhagen & Kober (2004): the function of a node at distance r, cells of width h, particles of

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mpm/basis/BSpline.hpp"
+#include "mpm/basis/Ddmp.hpp"
 #include "mpm/basis/Gimp.hpp"
 
 /// The one table of bases a run can choose from: word of the option, type. A new basis is a type
@@ -13,6 +14,7 @@
 #define MPM_BASES(X)       \
   X(linear, BSpline<1>)    \
   X(gimp, Gimp)            \
+  X(ddmp, Ddmp)            \
   X(quadratic, BSpline<2>) \
   X(cubic, BSpline<3>)
 
@@ -45,8 +47,10 @@ template <class Basis>
 Basis make_basis(const KnotLines& lines, const BasisOptions& options) {
   if constexpr (std::is_constructible_v<Basis, KnotLines, EndTreatment>)
     return Basis(lines, options.ends);
-  else
+  else if constexpr (std::is_constructible_v<Basis, KnotLines, int>)
     return Basis(lines, options.particles_per_cell);
+  else
+    return Basis(lines);
 }
 
 /// visit.template operator()<Basis>() for the basis of this kind.

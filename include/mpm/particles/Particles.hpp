@@ -24,6 +24,11 @@ struct Field {
 
 using Materials = std::vector<std::shared_ptr<const material::Material>>;
 
+/// Columns that only some runs need.
+struct OptionalColumns {
+  bool velocity_gradient = false;  ///< of the particle's own motion, carried by affine transfers
+};
+
 /// A particle to be made.
 template <int dim>
 struct Seed {
@@ -39,7 +44,8 @@ struct Seed {
 template <int dim>
 class ParticleView {
  public:
-  ParticleView(const Swarm<dim>& swarm, std::span<const std::string> state_names);
+  ParticleView(const Swarm<dim>& swarm, std::span<const std::string> state_names,
+               const OptionalColumns& optional);
 
   int count = 0;
   std::array<double*, dim> position, velocity, displacement;
@@ -47,6 +53,8 @@ class ParticleView {
   double* volume = nullptr;
   std::array<double*, SymmetricTensor::size> stress{};  ///< null where a component is always zero
   double* deviatoric_strain = nullptr;                  ///< sum of sqrt(2/3 e:e) of the increments
+  /// dv_i/dx_j of the particle's own motion, 1/s; null unless the run has it.
+  std::array<std::array<double*, dim>, dim> velocity_gradient{};
   std::int64_t* id = nullptr;
   PetscInt* material = nullptr;
   /// State variables of the laws, in the order of Particles::state_names().
@@ -71,7 +79,7 @@ template <int dim>
 class Particles {
  public:
   /// Collective. `grid` must outlive the particles.
-  Particles(const grid::Grid<dim>& grid, Materials materials);
+  Particles(const grid::Grid<dim>& grid, Materials materials, OptionalColumns optional = {});
 
   /// Adds particles that lie in cells of this rank, then sorts. Collective.
   void add(std::span<const Seed<dim>> seeds);
@@ -83,7 +91,7 @@ class Particles {
   /// Orders the particles of this rank by material and cell. Local.
   void sort();
 
-  ParticleView<dim> view() const { return ParticleView<dim>(m_swarm, m_state_names); }
+  ParticleView<dim> view() const { return {m_swarm, m_state_names, m_optional}; }
 
   /// The particles [first, last) of a material after the last sort.
   struct Range {
@@ -111,6 +119,7 @@ class Particles {
 
   const grid::Grid<dim>& m_grid;
   Materials m_materials;
+  OptionalColumns m_optional;
   std::vector<std::string> m_state_names;
   std::vector<std::vector<std::size_t>> m_state_of_material;  ///< indices into m_state_names
   std::vector<Field> m_fields;

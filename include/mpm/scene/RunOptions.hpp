@@ -10,8 +10,6 @@
 
 namespace mpm::scene {
 
-/// How grid motion reaches the particles.
-enum class Transfer { flip, pic };
 enum class ProgressDisplay { automatic, on, off };
 
 /// Options that every scene on a grid has. A scene sets its own defaults before declaring them.
@@ -20,7 +18,7 @@ struct RunOptions {
   basis::Kind basis = basis::Kind::cubic;
   basis::EndTreatment ends = basis::EndTreatment::mirror;
   solver::Scheme scheme = solver::Scheme::musl;
-  Transfer transfer = Transfer::flip;
+  solver::Transfer transfer = solver::Transfer::flip;
   std::optional<double> flip_time;  ///< s
   bool averages_volume = false;
   double courant = 0.9;
@@ -42,8 +40,8 @@ struct RunOptions {
     setup.scheme = scheme;
     setup.courant = courant;
     setup.averages_volume = averages_volume;
+    setup.transfer = transfer;
     if (flip_time) setup.flip_time = *flip_time;
-    if (transfer == Transfer::pic) setup.flip_time = 0.0;
   }
 };
 

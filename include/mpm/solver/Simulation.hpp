@@ -28,8 +28,9 @@ struct SimulationSetup {
   typename grid::Walls<dim>::Kinds walls{};
   particles::Materials materials;
   particles::Filling<dim> filling;
-  Vector<dim> gravity{};                                       ///< m/s^2
-  double courant = 0.9;                                        ///< share of h/(c + |v|)
+  Vector<dim> gravity{};  ///< m/s^2
+  double courant = 0.9;   ///< share of h/(c + |v|)
+  Transfer transfer = Transfer::flip;
   double flip_time = std::numeric_limits<double>::infinity();  ///< s, see StepOptions
   bool averages_volume = false;                                ///< see StepOptions
 };

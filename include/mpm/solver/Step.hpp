@@ -17,19 +17,29 @@
 
 namespace mpm::solver {
 
+/// How grid motion reaches the particles.
+enum class Transfer {
+  flip,  ///< by its change
+  pic,   ///< by itself, which damps all that a node's surroundings do not share
+  apic   ///< by itself, particles carrying the gradient of the velocity as well
+};
+
 /// What a step needs besides grid and particles.
 template <int dim>
 struct StepOptions {
   transfer::BodyForce<dim> body_force;
   double damping = 0.0;  ///< local damping: f -= damping |f| sign(v) per component
+  Transfer transfer = Transfer::flip;
   /// Time tau in which particle velocities turn into the grid's, s: FLIP keeps exp(-dt/tau) of
-  /// them per step; infinite is pure FLIP, 0 pure PIC.
+  /// them per step; infinite is pure FLIP.
   double flip_time = std::numeric_limits<double>::infinity();
 
   /// Particles take the mean volume change of their surroundings, against scatter of pressures.
   bool averages_volume = false;
 
-  double flip_share(double dt) const { return flip_time > 0.0 ? std::exp(-dt / flip_time) : 0.0; }
+  double flip_share(double dt) const {
+    return transfer == Transfer::flip ? std::exp(-dt / flip_time) : 0.0;
+  }
 };
 
 /// What a rank found out in a step; ranks have to agree on it before they act.

@@ -82,6 +82,11 @@ void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
                                  Stencil<dim, Basis> stencil, const BodyForce<dim>& body_force,
                                  const MassMomentumForce<dim>& nodes);
 
+/// Deposits m_p N_Ip alone, on which dual bases depend. Ghosts are to be summed afterwards.
+template <int dim, class Basis>
+void deposit_mass(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
+                  double* mass);
+
 /// v_p += sum a_I N_Ip dt (Eq. 7), then p_I += m_p v_p N_Ip from the new velocities (Eq. 9). A
 /// share 1 - `flip_share` of v_p is replaced by the grid's sum v_I N_Ip (PIC), which lets motion
 /// die out that the grid cannot see. Reads ghosts of both.
@@ -96,6 +101,20 @@ void update_velocities_and_deposit_momentum(const particles::ParticleView<dim>& 
 template <int dim, class Basis>
 void update_velocities(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
                        double dt, double flip_share, const VelocityAcceleration<dim>& nodes);
+
+/// p_I += m_p C_p N_Ip (x_I - x_p), what particles that carry a velocity gradient C deposit besides
+/// m_p v_p N_Ip (APIC; Jiang et al. 2015, ACM Trans. Graph. 34:51). Ghosts are to be summed
+/// afterwards.
+template <int dim, class Basis>
+void deposit_affine_momentum(const particles::ParticleView<dim>& particles,
+                             Stencil<dim, Basis> stencil, const std::array<double*, dim>& momentum);
+
+/// C_p = sum v_I N_Ip (x_I - x_p) D_p^-1 with D_p = sum N_Ip (x_I - x_p)(x_I - x_p), which is
+/// diagonal because directions separate. Reads ghosts of `velocity`.
+template <int dim, class Basis>
+void gather_velocity_gradient(const particles::ParticleView<dim>& particles,
+                              Stencil<dim, Basis> stencil,
+                              const std::array<double*, dim>& velocity);
 
 /// Times over which particles are strained and moved, s: the same but where stress comes first.
 struct AdvanceTimes {
