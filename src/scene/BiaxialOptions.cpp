@@ -10,6 +10,7 @@ namespace mpm::scene {
 
 BiaxialOptions::BiaxialOptions() {
   run.output_dir = "out/biaxial";
+  run.largest_courant = 0.9;
   run.flip_time =
       0.01;  // else particles at the free sides end up with 10 m/s that the grid ignores
   sand.parameters().cohesion = 0.0;

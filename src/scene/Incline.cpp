@@ -19,7 +19,7 @@ class Incline : public Scene {
  public:
   Incline() {
     m_run.output_dir = "out/incline";
-    m_run.courant = 0.5;
+    m_run.largest_courant = 0.5;
     m_material.parameters() = {.youngs_modulus = 2e9, .poisson_ratio = 0.3, .density = 1900.0};
   }
 

@@ -21,7 +21,7 @@ class Mms1d : public Scene {
  public:
   Mms1d() {
     m_run.output_dir = "out/mms1d";
-    m_run.courant = 0.2;
+    m_run.largest_courant = 0.2;
     m_run.particles_per_cell_direction = 4;
   }
 

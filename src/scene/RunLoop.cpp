@@ -97,6 +97,7 @@ void RunLoop<dim>::summarise(io::Summary& summary) const {
   const auto particles = static_cast<double>(m_simulation.particles().global_count());
   const double seconds = petsc::maximum(m_seconds_in_steps);
   summary.set("ranks", petsc::world_size());
+  summary.set("courant", m_options.courant());
   summary.set("cells", m_simulation.grid().global_cells());
   summary.set("particles", m_simulation.particles().global_count());
   summary.set("particles_lost", 0);  // a lost particle stops the run

@@ -1,6 +1,28 @@
 #include "mpm/scene/RunOptions.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mpm/solver/StableCourant.hpp"
+
 namespace mpm::scene {
+
+namespace {
+
+constexpr double share_of_limit = 0.5;
+
+std::string default_courant(double largest) {
+  const std::string half = "half the limit of basis, update and transfer";
+  return largest < 2.0 ? fmt::format("{}, at most {}", half, largest) : half;
+}
+
+}  // namespace
+
+double RunOptions::courant() const {
+  const double limit = solver::stable_courant({basis, ends, scheme, transfer});
+  return given_courant.value_or(std::min(largest_courant, share_of_limit * limit));
+}
 
 void RunOptions::declare(options::OptionSet& options) {
   options.section("Run");
@@ -47,10 +69,11 @@ void RunOptions::declare(options::OptionSet& options) {
                 "particles take the mean volume change of their surroundings, against scatter of "
                 "pressures",
                 "docs/model.md"});
-  options.real(
-      "courant", courant, {.minimum = 0.0, .maximum = 2.0, .open_minimum = true},
+  options.optional_real(
+      "courant", given_courant, {.minimum = 0.0, .maximum = 2.0, .open_minimum = true},
+      default_courant(largest_courant),
       {"1", "time step as a share of h/(c + |v|), h the smallest knot span near a particle",
-       "docs/model.md; the paper uses 0.3"});
+       "docs/methods.md; the paper uses 0.3"});
   options.integer("particles_per_cell_direction", particles_per_cell_direction, {1, 16},
                   {"1", "particles per cell and direction", "paper, section 3.3"});
   options.integer(

@@ -19,7 +19,7 @@ class Traction : public Scene {
  public:
   Traction() {
     m_run.output_dir = "out/traction";
-    m_run.courant = 0.5;
+    m_run.largest_courant = 0.5;
     m_material.parameters() = {.youngs_modulus = 1e6, .poisson_ratio = 0.0, .density = 1200.0};
   }
 

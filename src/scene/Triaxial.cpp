@@ -85,7 +85,7 @@ struct TriaxialOptions {
   TriaxialOptions() {
     run.output_dir = "out/triaxial";
     run.basis = basis::Kind::linear;
-    run.courant = 0.5;
+    run.largest_courant = 0.5;
     sand.parameters().cohesion = 0.0;
     sand.parameters().void_ratio = 0.551;
   }

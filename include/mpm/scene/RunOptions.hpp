@@ -21,7 +21,9 @@ struct RunOptions {
   solver::Transfer transfer = solver::Transfer::flip;
   std::optional<double> flip_time;  ///< s
   bool averages_volume = false;
-  double courant = 0.9;
+  /// What a scene takes at the most unless told otherwise, where its answer needs small steps.
+  double largest_courant = 2.0;
+  std::optional<double> given_courant;
   std::int64_t particles_per_cell_direction = 2;
   std::int64_t particle_output_every = 0;
   std::vector<double> particle_output_times;
@@ -32,13 +34,16 @@ struct RunOptions {
 
   void declare(options::OptionSet& options);
 
+  /// Time step as a share of h/(c + |v|): as given, or half the limit of the method.
+  double courant() const;
+
   template <int dim>
   void apply_to(solver::SimulationSetup<dim>& setup) const {
     setup.basis = basis;
     setup.ends = ends;
     setup.particles_per_cell = static_cast<int>(particles_per_cell_direction);
     setup.scheme = scheme;
-    setup.courant = courant;
+    setup.courant = courant();
     setup.averages_volume = averages_volume;
     setup.transfer = transfer;
     if (flip_time) setup.flip_time = *flip_time;
