@@ -11,6 +11,7 @@ std::unique_ptr<Scene> make_biaxial();
 std::unique_ptr<Scene> make_patch();
 std::unique_ptr<Scene> make_mms1d();
 std::unique_ptr<Scene> make_column();
+std::unique_ptr<Scene> make_vortex();
 std::unique_ptr<Scene> make_rotation();
 std::unique_ptr<Scene> make_incline();
 std::unique_ptr<Scene> make_traction();
@@ -25,7 +26,9 @@ constexpr std::array kinds{
     SceneKind{"patch", "constant stress in a box: what is left at nodes and walls", &make_patch},
     SceneKind{"mms1d", "vibrating bar with a manufactured solution at finite strain", &make_mms1d},
     SceneKind{"column", "elastic column under its own weight", &make_column},
-    SceneKind{"rotation", "rigid turn of a stressed disc by prescribed nodal velocities",
+    SceneKind{"vortex", "ring whose circles turn by different angles, exact at finite strain",
+              &make_vortex},
+    SceneKind{"rotation", "disc turned by prescribed nodal velocities, or spinning freely",
               &make_rotation},
     SceneKind{"incline", "elastic block sliding on a rigid incline with friction", &make_incline},
     SceneKind{"traction", "elastic bar pulled at its end", &make_traction},
