@@ -12,6 +12,8 @@ std::unique_ptr<Scene> make_patch();
 std::unique_ptr<Scene> make_mms1d();
 std::unique_ptr<Scene> make_column();
 std::unique_ptr<Scene> make_vortex();
+std::unique_ptr<Scene> make_bar();
+
 std::unique_ptr<Scene> make_rotation();
 std::unique_ptr<Scene> make_incline();
 std::unique_ptr<Scene> make_traction();
@@ -28,6 +30,8 @@ constexpr std::array kinds{
     SceneKind{"column", "elastic column under its own weight", &make_column},
     SceneKind{"vortex", "ring whose circles turn by different angles, exact at finite strain",
               &make_vortex},
+    SceneKind{"bar", "elastic bar vibrating freely in its first mode", &make_bar},
+
     SceneKind{"rotation", "disc turned by prescribed nodal velocities, or spinning freely",
               &make_rotation},
     SceneKind{"incline", "elastic block sliding on a rigid incline with friction", &make_incline},
