@@ -13,7 +13,7 @@ std::unique_ptr<Scene> make_mms1d();
 std::unique_ptr<Scene> make_column();
 std::unique_ptr<Scene> make_vortex();
 std::unique_ptr<Scene> make_bar();
-
+std::unique_ptr<Scene> make_discs();
 std::unique_ptr<Scene> make_rotation();
 std::unique_ptr<Scene> make_incline();
 std::unique_ptr<Scene> make_traction();
@@ -31,7 +31,7 @@ constexpr std::array kinds{
     SceneKind{"vortex", "ring whose circles turn by different angles, exact at finite strain",
               &make_vortex},
     SceneKind{"bar", "elastic bar vibrating freely in its first mode", &make_bar},
-
+    SceneKind{"discs", "two elastic discs that collide", &make_discs},
     SceneKind{"rotation", "disc turned by prescribed nodal velocities, or spinning freely",
               &make_rotation},
     SceneKind{"incline", "elastic block sliding on a rigid incline with friction", &make_incline},
