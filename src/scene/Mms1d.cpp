@@ -6,7 +6,7 @@
 
 #include "mpm/io/TextFile.hpp"
 #include "mpm/material/NeoHookean.hpp"
-#include "mpm/petsc/Session.hpp"
+#include "mpm/scene/DisplacementError.hpp"
 #include "mpm/scene/RunLoop.hpp"
 #include "mpm/scene/Scene.hpp"
 
@@ -115,15 +115,11 @@ class Mms1d : public Scene {
 
   /// Share of the amplitude.
   double displacement_error(const solver::Simulation<1>& simulation) const {
-    const auto view = simulation.particles().view();
-    double sum = 0.0;
-    for (int p = 0; p < view.count; ++p) {
-      const double X = view.position[0][p] - view.displacement[0][p];
-      const double error = view.displacement[0][p] - displacement(X, simulation.state().time);
-      sum += error * error;
-    }
-    const auto count = static_cast<double>(simulation.particles().global_count());
-    return std::sqrt(petsc::sum(sum) / count) / m_amplitude;
+    const double time = simulation.state().time;
+    return rms_displacement_error<1>(
+               simulation,
+               [&](const Vector<1>& X) { return Vector<1>{displacement(X[0], time)}; }) /
+           m_amplitude;
   }
 
   RunOptions m_run;

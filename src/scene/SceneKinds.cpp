@@ -11,6 +11,9 @@ std::unique_ptr<Scene> make_biaxial();
 std::unique_ptr<Scene> make_patch();
 std::unique_ptr<Scene> make_mms1d();
 std::unique_ptr<Scene> make_column();
+std::unique_ptr<Scene> make_vortex();
+std::unique_ptr<Scene> make_bar();
+std::unique_ptr<Scene> make_discs();
 std::unique_ptr<Scene> make_rotation();
 std::unique_ptr<Scene> make_incline();
 std::unique_ptr<Scene> make_traction();
@@ -26,7 +29,11 @@ constexpr std::array kinds{
     SceneKind{"patch", "constant stress in a box: what is left at nodes and walls", &make_patch},
     SceneKind{"mms1d", "vibrating bar with a manufactured solution at finite strain", &make_mms1d},
     SceneKind{"column", "elastic column under its own weight", &make_column},
-    SceneKind{"rotation", "rigid turn of a stressed disc by prescribed nodal velocities",
+    SceneKind{"vortex", "ring whose circles turn by different angles, exact at finite strain",
+              &make_vortex},
+    SceneKind{"bar", "elastic bar vibrating freely in its first mode", &make_bar},
+    SceneKind{"discs", "two elastic discs that collide", &make_discs},
+    SceneKind{"rotation", "disc turned by prescribed nodal velocities, or spinning freely",
               &make_rotation},
     SceneKind{"incline", "elastic block sliding on a rigid incline with friction", &make_incline},
     SceneKind{"traction", "elastic bar pulled at its end", &make_traction},

@@ -69,6 +69,16 @@ TEST(LinearElastic, knows_its_density_and_its_wave_modulus) {
   EXPECT_EQ(elastic().initial_density(), 1870.0);
 }
 
+TEST(LinearElastic, finds_the_strain_of_a_stress_and_its_energy) {
+  const SymmetricTensor strain{{2e-3, -1e-3, 4e-4, 7e-4, -3e-4, 5e-4}};
+  const SymmetricTensor stress = elastic().stress_increment(strain);
+  const SymmetricTensor found = elastic().elastic_strain(stress);
+  for (int k = 0; k < SymmetricTensor::size; ++k) EXPECT_NEAR(found[k], strain[k], 1e-15);
+  const double volumetric = trace(strain);
+  EXPECT_NEAR(elastic().strain_energy_density(stress),
+              0.5 * lambda * volumetric * volumetric + mu * contract(strain, strain), 1e-12 * E);
+}
+
 TEST(LinearElastic, refuses_constants_without_a_stable_material) {
   EXPECT_THROW(LinearElastic({.youngs_modulus = 0.0}), BadInput);
   EXPECT_THROW(LinearElastic({.poisson_ratio = 0.5}), BadInput);

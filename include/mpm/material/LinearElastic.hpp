@@ -39,6 +39,20 @@ class LinearElastic : public Material {
     return stress;
   }
 
+  /// The small strain under which an unstressed particle has this stress.
+  SymmetricTensor elastic_strain(const SymmetricTensor& stress) const {
+    SymmetricTensor strain = (0.5 / m_mu) * stress;
+    const double isotropic =
+        m_lambda / (2.0 * m_mu * (3.0 * m_lambda + 2.0 * m_mu)) * trace(stress);
+    for (int k = 0; k < 3; ++k) strain[k] -= isotropic;
+    return strain;
+  }
+
+  /// sigma : epsilon/2, J/m^3; of first order in the strain.
+  double strain_energy_density(const SymmetricTensor& stress) const {
+    return 0.5 * contract(stress, elastic_strain(stress));
+  }
+
  private:
   double m_lambda;  ///< Pa
   double m_mu;      ///< Pa
