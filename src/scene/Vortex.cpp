@@ -57,8 +57,8 @@ class Vortex : public Scene {
   }
 
   std::string answer(const io::Summary& summary) const override {
-    const std::string text = fmt::format("rms error of displacement {:.3g} of the amplitude",
-                                         summary.number("error_displacement_rms"));
+    std::string text = fmt::format("rms error of displacement {:.3g} of the amplitude",
+                                   summary.number("error_displacement_rms"));
     if (!m_failed_at) return text;
     return text + fmt::format(", failed at {:.3g} s", *m_failed_at);
   }
