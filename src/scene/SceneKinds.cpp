@@ -14,6 +14,7 @@ std::unique_ptr<Scene> make_column();
 std::unique_ptr<Scene> make_rotation();
 std::unique_ptr<Scene> make_incline();
 std::unique_ptr<Scene> make_traction();
+std::unique_ptr<Scene> make_reversal();
 
 namespace {
 
@@ -29,6 +30,8 @@ constexpr std::array kinds{
               &make_rotation},
     SceneKind{"incline", "elastic block sliding on a rigid incline with friction", &make_incline},
     SceneKind{"traction", "elastic bar pulled at its end", &make_traction},
+    SceneKind{"reversal", "sand sheared, torn open and closed again by prescribed nodes",
+              &make_reversal},
 };
 
 }  // namespace
