@@ -15,6 +15,7 @@ std::unique_ptr<Scene> make_rotation();
 std::unique_ptr<Scene> make_incline();
 std::unique_ptr<Scene> make_traction();
 std::unique_ptr<Scene> make_reversal();
+std::unique_ptr<Scene> make_cut_cell();
 
 namespace {
 
@@ -32,6 +33,8 @@ constexpr std::array kinds{
     SceneKind{"traction", "elastic bar pulled at its end", &make_traction},
     SceneKind{"reversal", "sand sheared, torn open and closed again by prescribed nodes",
               &make_reversal},
+    SceneKind{"cut_cell", "shaken elastic body whose surfaces stand anywhere in their cells",
+              &make_cut_cell},
 };
 
 }  // namespace
