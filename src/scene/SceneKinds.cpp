@@ -16,6 +16,7 @@ std::unique_ptr<Scene> make_incline();
 std::unique_ptr<Scene> make_traction();
 std::unique_ptr<Scene> make_reversal();
 std::unique_ptr<Scene> make_cut_cell();
+std::unique_ptr<Scene> make_collapse();
 
 namespace {
 
@@ -35,6 +36,7 @@ constexpr std::array kinds{
               &make_reversal},
     SceneKind{"cut_cell", "shaken elastic body whose surfaces stand anywhere in their cells",
               &make_cut_cell},
+    SceneKind{"collapse", "column of dry sand that collapses and runs out", &make_collapse},
 };
 
 }  // namespace
