@@ -30,7 +30,7 @@ enum class Base { rough, frictional };
 struct CollapseOptions {
   RunOptions run;
   mutable material::MohrCoulombFactory material;
-  std::int64_t cells = 40;    ///< over the width
+  std::int64_t cells = 20;    ///< over the width
   double aspect_ratio = 1.0;  ///< a = h0/l0
   double width = 1.0;         ///< l0, m
   double gravity = 9.81;      ///< m/s^2
@@ -41,6 +41,7 @@ struct CollapseOptions {
 
   CollapseOptions() {
     run.output_dir = "out/collapse";
+    run.flip_time = 0.025;  // with the cell size a viscosity: against noise of flying grains
     material.parameters() = {
         .elastic = {.youngs_modulus = 10e6, .poisson_ratio = 0.3, .density = 1600.0},
         .friction_angle = 31.0,
