@@ -215,11 +215,13 @@ double CutCellRun<dim>::growth() const {
   return *std::max_element(m_largest.begin(), m_largest.end());
 }
 
-/// Energy goes to and fro between motion and strain; what counts is whether it rises for good.
+/// Energy goes to and fro between motion and strain; what counts is whether it rises for good. A
+/// run that was cut short has shown nothing.
 template <int dim>
 bool CutCellRun<dim>::is_stable() const {
   const double earlier = *std::max_element(m_largest.begin(), m_largest.end() - windows / 2);
-  return growth() < blown_up && m_largest.back() <= unsteady * earlier;
+  const bool is_complete = m_simulation.state().step >= m_options.steps;
+  return is_complete && growth() < blown_up && m_largest.back() <= unsteady * earlier;
 }
 
 /// A free elastic body is shaken at random while its surfaces stand at a given place in their
