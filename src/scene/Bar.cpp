@@ -25,7 +25,7 @@ class Bar : public Scene {
  public:
   Bar() {
     m_run.output_dir = "out/bar";
-    m_run.courant = 0.2;
+    m_run.largest_courant = 0.2;
   }
 
   void declare(options::OptionSet& options) override {

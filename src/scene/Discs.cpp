@@ -28,7 +28,7 @@ class Discs : public Scene {
  public:
   Discs() {
     m_run.output_dir = "out/discs";
-    m_run.courant = 0.4;
+    m_run.largest_courant = 0.4;
     m_material.parameters() = {.youngs_modulus = 1000.0, .poisson_ratio = 0.3, .density = 1000.0};
   }
 

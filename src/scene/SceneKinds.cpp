@@ -18,6 +18,9 @@ std::unique_ptr<Scene> make_rotation();
 std::unique_ptr<Scene> make_incline();
 std::unique_ptr<Scene> make_traction();
 std::unique_ptr<Scene> make_stability();
+std::unique_ptr<Scene> make_reversal();
+std::unique_ptr<Scene> make_cut_cell();
+std::unique_ptr<Scene> make_collapse();
 
 namespace {
 
@@ -39,6 +42,11 @@ constexpr std::array kinds{
     SceneKind{"traction", "elastic bar pulled at its end", &make_traction},
     SceneKind{"stability", "the largest stable Courant number of a basis and scheme",
               &make_stability},
+    SceneKind{"reversal", "sand sheared, torn open and closed again by prescribed nodes",
+              &make_reversal},
+    SceneKind{"cut_cell", "shaken elastic body whose surfaces stand anywhere in their cells",
+              &make_cut_cell},
+    SceneKind{"collapse", "column of dry sand that collapses and runs out", &make_collapse},
 };
 
 }  // namespace

@@ -23,7 +23,7 @@ class Vortex : public Scene {
  public:
   Vortex() {
     m_run.output_dir = "out/vortex";
-    m_run.courant = 0.4;
+    m_run.largest_courant = 0.4;
   }
 
   void declare(options::OptionSet& options) override {
