@@ -9,15 +9,16 @@ UPDATES = ("musl", "usl", "usf")
 TRANSFERS = ("flip", "pic", "apic")
 LIMITS = ("limit_interior", "limit_fixed_wall", "limit_filled_to_free_end", "limit_free_surface",
           "two_over_omega_free_surface")
-IN_PLANE = {"dimension": 2, "cells": 3, "stride": 0.2}
+IN_PLANE = {"dimension": 2, "cells": 3, "stride": 0.3}
 
 
-def bodies(transfer):
-    """Bodies of one and two dimensions with 1 to 4 particles per direction; fewer in the plane
-    for the transfers that damp, whose limits lie between those of flip."""
+def bodies(update, transfer):
+    """Bodies of one and two dimensions with 1 to 4 particles per direction; less in the plane for
+    transfers that damp, and for usf, which has the limits of musl."""
     for particles in (1, 2, 3, 4):
         yield f"1d_{particles}", {"particles_per_cell_direction": particles}
-    for particles in (1, 2, 3, 4) if transfer == "flip" else (1, 2):
+    many = transfer == "flip" and update != "usf"
+    for particles in (1, 2, 3, 4) if many else (2,):
         yield f"2d_{particles}", IN_PLANE | {"particles_per_cell_direction": particles}
 
 
@@ -34,7 +35,7 @@ def methods():
 
 def jobs():
     for method in methods():
-        for body, options in bodies(method["transfer"]):
+        for body, options in bodies(method["update"], method["transfer"]):
             name = "_".join(list(method.values()) + [body])
             yield name, {"scene": "stability"} | method | options
 
