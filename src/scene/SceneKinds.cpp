@@ -14,6 +14,9 @@ std::unique_ptr<Scene> make_column();
 std::unique_ptr<Scene> make_rotation();
 std::unique_ptr<Scene> make_incline();
 std::unique_ptr<Scene> make_traction();
+std::unique_ptr<Scene> make_gap();
+std::unique_ptr<Scene> make_hertz();
+std::unique_ptr<Scene> make_footing();
 
 namespace {
 
@@ -29,6 +32,10 @@ constexpr std::array kinds{
               &make_rotation},
     SceneKind{"incline", "elastic block sliding on a rigid incline with friction", &make_incline},
     SceneKind{"traction", "elastic bar pulled at its end", &make_traction},
+    SceneKind{"gap", "elastic block or disc that approaches a rigid plane: when contact starts",
+              &make_gap},
+    SceneKind{"hertz", "elastic cylinder pressed on a rigid plane without friction", &make_hertz},
+    SceneKind{"footing", "strip footing on weightless undrained clay", &make_footing},
 };
 
 }  // namespace
