@@ -323,7 +323,7 @@ class Hertz : public Scene {
   double m_gap_cells = 0.6;
   std::int64_t m_cells = 67;
   double m_radius = 8.0;
-  double m_offset = 0.5;
+  double m_offset = 0.6;
   double m_load = 0.625;
   double m_load_time = 12.0;
   double m_damping = 0.5;

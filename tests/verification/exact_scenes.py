@@ -23,6 +23,14 @@ BOUNDS = [
     ("rotation", {}, {"error_stress_norm": ROUND_OFF, "error_volume_ratio": ROUND_OFF,
                       "error_angle_rad": 5e-5}),
     ("incline", {}, {"error_slide": 1e-3}),
+    ("incline", {"body": "disc", "cells": 20, "elastic_youngs_modulus": 2e7},
+     {"error_slide": 1e-2}),
+    ("incline", {"body": "disc", "cells": 10, "elastic_youngs_modulus": 5e6,
+                 "contact_friction": 0.1}, {"error_slide": 1e-2}),
+    *(("gap", {"body": body, "offset": offset, "basis": basis}, {"error_gap_cells": 0.05})
+      for body, basis in (("block", "cubic"), ("circle", "cubic"), ("block", "linear"))
+      for offset in (0.0, 0.3, 0.55, 0.9)),
+    ("footing", {"footing_velocity": 0.04}, {"error_bearing_capacity": 3e-2, "plateau_rise": 5e-3}),
     ("mms1d", {"cells": 64}, {"error_displacement_rms": 3e-3}),
     *(("traction", {"basis": basis}, {"error_stress_mean": 1e-4})
       for basis in ("linear", "quadratic", "cubic")),
