@@ -253,10 +253,29 @@ class Hertz : public Scene {
            unbalanced);
   }
 
-  /// Width of the surface for which a column of nodes stands.
-  static double width_of(const std::vector<double>& x, std::size_t i) {
-    const double right = 0.5 * (x[i] + x[i + 1]);
-    return right - (x[i] > 0.0 ? 0.5 * (x[i - 1] + x[i]) : 0.0);
+  /// Width of the surface for which each column of nodes stands, the integral of its function over
+  /// x > 0, whatever the basis. Collective.
+  static std::vector<double> widths_of_columns(const solver::Simulation<2>& simulation) {
+    constexpr int points_per_cell = 12;
+    const grid::Grid<2>& grid = simulation.grid();
+    const basis::KnotLines &across = grid.nodes(0).lines, &up = grid.nodes(1).lines;
+    const double spacing = across.smallest_width() / points_per_cell;
+    const double height = 0.5 * (up.begin() + up.end());
+    std::vector<Vector<2>> points;
+    for (int k = 0; k < points_per_cell * across.cells(); ++k)
+      points.push_back({(k + 0.5) * spacing, height});
+    constexpr auto scalar = grid::Component::scalar;
+    grid::NodalField<2> field(grid, {{scalar}, {0}, {1}});  // the function and its gradient
+    field.set_to_zero();
+    simulation.step().point_deposit().deposit(points, spacing, grid.owned_cells(), field);
+    field.sum_to_owners();
+    simulation.walls().fold(grid, field);
+    std::vector<double> widths(grid.nodes(0).positions.size(), 0.0);
+    grid.for_each_owned_node([&](int I, const auto& node) {
+      widths[static_cast<std::size_t>(node[0])] += field.values(0)[I];
+    });
+    for (double& width : widths) width = petsc::sum(width);
+    return widths;
   }
 
   /// Mean pressure in the particles of the lowest cell above the plane, one value per cell.
@@ -285,10 +304,11 @@ class Hertz : public Scene {
     const std::vector<double>& x = simulation.grid().nodes(0).positions;
     io::CsvFile profile(m_run.output_dir + "/pressure.csv",
                         {"x_m", "pressure_Pa", "pressure_exact_Pa"});
+    const std::vector<double> widths = widths_of_columns(simulation);
     double peak = 0.0, sum = 0.0, moment = 0.0;
     for (std::size_t i = 0; i + 1 < x.size(); ++i) {
       if (x[i] < 0.0) continue;
-      const double pressure = forces[i] / width_of(x, i);
+      const double pressure = forces[i] / widths[i];
       profile.row({x[i], pressure, exact_pressure(x[i])});
       peak = std::max(peak, pressure);
       sum += forces[i];

@@ -3,7 +3,7 @@
 usage: exact_scenes.py LAUNCHER PROGRAM RANKS
 
 Bounds are the targets of docs/verification.md, but for the column's mean error and for hertz, which
-has five times fewer particles here.
+has eight times fewer particles here.
 """
 
 import json
