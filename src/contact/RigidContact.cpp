@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 namespace mpm::contact {
 namespace {
 
 constexpr double smallest_mass_share = 1e-9;  // of a full cell
+constexpr double round_off = 1e-12;           // of a particle's vote
 
 template <int dim>
 std::vector<grid::Component> scalar_and_gradient() {
@@ -67,25 +69,66 @@ void RigidContact<dim>::discretise(std::vector<Vector<dim>> points, double volum
 template <int dim>
 void RigidContact<dim>::begin_step() {
   std::fill(m_active.begin(), m_active.end(), false);
-  if (m_options.detection == Detection::gap && m_options.normal == Normal::surface) return;
+  if (m_options.detection == Detection::velocity || m_options.normal == Normal::gradient)
+    deposit_rigid_mass();
+  if (m_options.detection == Detection::particle) deposit_votes();
+}
+
+template <int dim>
+void RigidContact<dim>::deposit_rigid_mass() {
   std::vector<Vector<dim>> points = m_points;
   for (Vector<dim>& x : points)
     for (int d = 0; d < dim; ++d) x[d] += m_body.position[d];
   m_rigid_mass.set_to_zero();
-  m_deposit.deposit(points, m_point_volume, m_rigid_mass);
+  m_deposit.deposit(points, m_point_volume, m_grid.owned_cells(), m_rigid_mass);
   m_rigid_mass.sum_to_owners();
   m_walls.fold(m_grid, m_rigid_mass);
+}
+
+/// Particles whose own extent meets the surface touch it; those that miss it by up to half their
+/// extent lie beside it all the same.
+template <int dim>
+void RigidContact<dim>::prepare_step() {
+  if (m_options.detection != Detection::particle) return;
+  if (!m_particles) throw std::logic_error("contact by particles without watch()");
+  m_touching.clear();
+  m_missing.clear();
+  const auto view = m_particles->view();
+  for (int p = 0; p < view.count; ++p) {
+    const Vector<dim> x = view.position_of(p);
+    const double extents = m_body.locate(x).distance / std::pow(view.volume[p], 1.0 / dim);
+    if (extents <= 1.0) (extents <= 0.5 ? m_touching : m_missing).push_back(x);
+  }
+}
+
+/// Each votes with its weight on the nodes that it reaches, for or against.
+template <int dim>
+void RigidContact<dim>::deposit_votes() {
+  if (!m_votes)
+    m_votes = std::make_unique<grid::NodalField<dim>>(m_grid, scalar_and_gradient<dim>());
+  m_votes->set_to_zero();
+  m_deposit.deposit(m_touching, 1.0, m_grid.reachable_cells(), *m_votes);
+  m_deposit.deposit(m_missing, -1.0, m_grid.reachable_cells(), *m_votes);
+  m_votes->sum_to_owners();
+  m_walls.fold(m_grid, *m_votes);
+}
+
+template <int dim>
+bool RigidContact<dim>::is_near(const grid::Grid<dim>& grid, const std::array<int, dim>& node,
+                                double distance) const {
+  double cell = 0.0;
+  for (int d = 0; d < dim; ++d)
+    cell = std::max(cell, grid.nodes(d).cell_width[static_cast<std::size_t>(node[d])]);
+  return distance <= m_options.gap_cells * cell;
 }
 
 template <int dim>
 std::optional<Vector<dim>> RigidContact<dim>::touching(const grid::Grid<dim>& grid, int local,
                                                        const std::array<int, dim>& node) const {
   const Proximity<dim> proximity = m_body.locate(grid.position(node));
-  if (m_options.detection == Detection::gap) {
-    double cell = 0.0;
-    for (int d = 0; d < dim; ++d)
-      cell = std::max(cell, grid.nodes(d).cell_width[static_cast<std::size_t>(node[d])]);
-    if (proximity.distance > m_options.gap_cells * cell) return std::nullopt;
+  if (m_options.detection != Detection::velocity) {
+    if (!is_near(grid, node, proximity.distance)) return std::nullopt;
+    if (m_votes && m_votes->values(0)[local] <= round_off) return std::nullopt;
   } else if (m_rigid_mass.values(0)[local] < smallest_mass_share * cell_volume<dim>(grid, node)) {
     return std::nullopt;
   }

@@ -96,6 +96,7 @@ std::shared_ptr<contact::RigidContact<2>> PipeRun::make_contact() {
                               .reference_density = m_options.density()});
   const double spacing = 0.5 * m_options.cell();
   contact->discretise(m_options.points_in_pipe(spacing), spacing * spacing);
+  contact->watch(m_simulation.particles());
   return contact;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "mpm/core/Errors.hpp"
+#include "mpm/scene/ContactDetection.hpp"
 
 namespace mpm::scene {
 namespace {
@@ -90,18 +91,11 @@ void PipeOptions::declare_grid(options::OptionSet& options) {
 
 void PipeOptions::declare_contact(options::OptionSet& options) {
   options.section("Contact");
-  options.choice("contact_detection", detection,
-                 {{"velocity", contact::Detection::velocity}, {"gap", contact::Detection::gap}},
-                 {"",
-                  "bodies touch where they share nodes and approach (velocity, the paper) or, "
-                  "besides, nodes lie within -contact_gap_cells of the pipe (gap)",
-                  "docs/model.md"});
+  declare_detection(options, detection, gap_cells);
   options.choice("contact_normal", normal,
                  {{"surface", contact::Normal::surface}, {"gradient", contact::Normal::gradient}},
                  {"", "normal of the pipe itself, or of its nodal mass (gradient, the paper)",
                   "docs/model.md"});
-  options.real("contact_gap_cells", gap_cells, {.minimum = 0.0, .maximum = 2.0},
-               {"cells", "largest distance of a touching node from the pipe", "docs/model.md"});
   options.optional_real("contact_friction", friction, {.minimum = 0.0, .maximum = 10.0},
                         "tan(0.6 phi_c)",
                         {"1", "Coulomb coefficient between sand and pipe", "paper, section 3.3"});

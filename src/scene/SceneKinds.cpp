@@ -21,6 +21,9 @@ std::unique_ptr<Scene> make_stability();
 std::unique_ptr<Scene> make_reversal();
 std::unique_ptr<Scene> make_cut_cell();
 std::unique_ptr<Scene> make_collapse();
+std::unique_ptr<Scene> make_gap();
+std::unique_ptr<Scene> make_hertz();
+std::unique_ptr<Scene> make_footing();
 
 namespace {
 
@@ -47,6 +50,10 @@ constexpr std::array kinds{
     SceneKind{"cut_cell", "shaken elastic body whose surfaces stand anywhere in their cells",
               &make_cut_cell},
     SceneKind{"collapse", "column of dry sand that collapses and runs out", &make_collapse},
+    SceneKind{"gap", "elastic block or disc that approaches a rigid plane: when contact starts",
+              &make_gap},
+    SceneKind{"hertz", "elastic cylinder pressed on a rigid plane without friction", &make_hertz},
+    SceneKind{"footing", "strip footing on weightless undrained clay", &make_footing},
 };
 
 }  // namespace

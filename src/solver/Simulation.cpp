@@ -149,6 +149,7 @@ void Simulation<dim>::advance() {
   m_state.dt = std::min(m_state.dt, m_dt_limit);
   m_dt_limit = no_limit;
 
+  for (auto* condition : m_conditions) condition->prepare_step();
   agree(m_step->advance(m_state, m_options));
 
   m_state.last_momentum_dt = m_state.momentum_dt();

@@ -8,6 +8,7 @@
 #include "mpm/grid/NodalCondition.hpp"
 #include "mpm/grid/NodalField.hpp"
 #include "mpm/grid/Walls.hpp"
+#include "mpm/particles/Particles.hpp"
 #include "mpm/transfer/PointDeposit.hpp"
 
 namespace mpm::contact {
@@ -29,7 +30,8 @@ struct RigidBody {
 /// When two bodies count as touching.
 enum class Detection {
   velocity,  ///< as soon as they share a node and approach each other (the paper)
-  gap        ///< when, besides, the node is nearer to the surface than a share of a cell
+  gap,       ///< when the node is nearer to the surface than a share of a cell
+  particle   ///< when, besides, most particles beside the surface at this node touch it
 };
 
 /// Where the contact normal comes from.
@@ -60,9 +62,13 @@ class RigidContact : public grid::NodalCondition<dim> {
   /// Fills the rigid body with points, needed where contact is found through its nodal mass.
   void discretise(std::vector<Vector<dim>> points_from_reference, double volume_of_each);
 
+  /// The deformable body, needed where contact is found through its particles; must outlive this.
+  void watch(const particles::Particles<dim>& particles) { m_particles = &particles; }
+
   RigidBody<dim>& body() { return m_body; }
   const RigidBody<dim>& body() const { return m_body; }
 
+  void prepare_step() override;
   void begin_step() override;
   void correct(const grid::Grid<dim>& grid, const grid::NodalMotion<dim>& motion) override;
   bool acts_on(int local_node) const override {
@@ -74,6 +80,10 @@ class RigidContact : public grid::NodalCondition<dim> {
   Vector<dim> take_impulse();
 
  private:
+  void deposit_rigid_mass();
+  void deposit_votes();
+  bool is_near(const grid::Grid<dim>& grid, const std::array<int, dim>& node,
+               double distance) const;
   /// The normal if the bodies touch at this node.
   std::optional<Vector<dim>> touching(const grid::Grid<dim>& grid, int local,
                                       const std::array<int, dim>& node) const;
@@ -86,6 +96,9 @@ class RigidContact : public grid::NodalCondition<dim> {
   std::vector<Vector<dim>> m_points;
   double m_point_volume = 0.0;
   grid::NodalField<dim> m_rigid_mass;  ///< nodal volume of the rigid body and its gradient
+  const particles::Particles<dim>* m_particles = nullptr;
+  std::vector<Vector<dim>> m_touching, m_missing;  ///< particles beside the surface
+  std::unique_ptr<grid::NodalField<dim>> m_votes;  ///< positive where most particles touch
   std::vector<bool> m_active;
   Vector<dim> m_impulse{};
 };

@@ -25,6 +25,8 @@ template <int dim>
 class NodalCondition {
  public:
   virtual ~NodalCondition() = default;
+  /// Called before every step, while particles may be looked at. Local.
+  virtual void prepare_step() {}
   /// Called once per step before the first mapping's nodes are corrected. Collective.
   virtual void begin_step() {}
   /// Corrects momentum, and force where there is one, of owned nodes. Local.

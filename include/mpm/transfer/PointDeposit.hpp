@@ -14,9 +14,9 @@ class PointDeposit {
  public:
   virtual ~PointDeposit() = default;
   /// Adds weight N_I(x) to the first component of the field and weight grad N_I(x) to the others,
-  /// for the points in this rank's cells. Local.
+  /// for the points in `cells`, which this rank must reach. Local.
   virtual void deposit(std::span<const Vector<dim>> points, double weight,
-                       grid::NodalField<dim>& field) const = 0;
+                       const grid::Box<dim>& cells, grid::NodalField<dim>& field) const = 0;
 };
 
 template <int dim, class Basis>
@@ -25,11 +25,11 @@ class BasisDeposit : public PointDeposit<dim> {
   BasisDeposit(const grid::Grid<dim>& grid, const std::array<Basis, dim>& bases)
       : m_grid(grid), m_bases(bases) {}
 
-  void deposit(std::span<const Vector<dim>> points, double weight,
+  void deposit(std::span<const Vector<dim>> points, double weight, const grid::Box<dim>& cells,
                grid::NodalField<dim>& field) const override {
     Stencil<dim, Basis> stencil(m_grid, m_bases);
     for (const Vector<dim>& x : points) {
-      if (!m_grid.owned_cells().contains(m_grid.cell_of(x))) continue;
+      if (!cells.contains(m_grid.cell_of(x))) continue;
       stencil.move_to(x);
       stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>& gradient) {
         field.values(0)[I] += weight * N;
