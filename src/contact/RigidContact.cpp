@@ -143,7 +143,7 @@ std::optional<Vector<dim>> RigidContact<dim>::touching(const grid::Grid<dim>& gr
 
 template <int dim>
 void RigidContact<dim>::correct(const grid::Grid<dim>& grid, const grid::NodalMotion<dim>& motion) {
-  grid.for_each_owned_node([&](int local, const std::array<int, dim>& node) {
+  grid.for_each_active_node([&](int local, const std::array<int, dim>& node) {
     const double m_I = motion.mass[local];
     if (m_I == 0.0) return;
     if (m_I < smallest_mass_share * m_options.reference_density * cell_volume<dim>(grid, node))

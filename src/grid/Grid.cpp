@@ -72,6 +72,19 @@ Grid<dim>::Grid(const std::array<basis::NodeLine, dim>& nodes, const partition::
   m_ghosted = ghosted_box_of(process);
   m_owned_cells = cells_of<dim>(m_owned, nodes, 0);
   m_reachable_cells = cells_of<dim>(m_owned, nodes, 1);
+  set_active_cells(all_cells());
+}
+
+template <int dim>
+void Grid<dim>::set_active_cells(const Box<dim>& cells) {
+  Box<dim> nodes = cells;  // cell c reaches the nodes c to c + support - 1
+  for (int d = 0; d < dim; ++d) nodes.end[d] += m_nodes[d].support - 1;
+  m_active_cells = intersection(cells, m_reachable_cells);
+  m_active_owned_nodes = intersection(nodes, m_owned);
+  nodes = intersection(nodes, m_ghosted);
+  if (nodes == m_active_nodes) return;
+  m_active_nodes = nodes;
+  ++m_active_version;
 }
 
 template <int dim>

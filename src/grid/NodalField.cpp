@@ -55,6 +55,20 @@ void NodalField<dim>::set_to_zero() {
 }
 
 template <int dim>
+void NodalField<dim>::set_active_to_zero() {
+  if (m_zeroed_version != m_grid.active_version()) {
+    set_to_zero();
+    m_zeroed_version = m_grid.active_version();
+    return;
+  }
+  for (int c = 0; c < components(); ++c) {
+    double* const value = values(c);
+    m_grid.for_each_node(m_grid.active_nodes(),
+                         [&](int local, const auto&) { value[local] = 0.0; });
+  }
+}
+
+template <int dim>
 void NodalField<dim>::sum_to_owners() {
   MPM_PETSC(PetscSFReduceBegin(m_halo, MPIU_SCALAR, m_values, m_values, MPI_SUM));
   MPM_PETSC(PetscSFReduceEnd(m_halo, MPIU_SCALAR, m_values, m_values, MPI_SUM));

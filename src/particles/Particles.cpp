@@ -51,8 +51,7 @@ ParticleView<dim>::ParticleView(const Swarm<dim>& swarm, std::span<const std::st
 }
 
 template <int dim>
-Particles<dim>::Particles(const grid::Grid<dim>& grid, Materials materials,
-                          OptionalColumns optional)
+Particles<dim>::Particles(grid::Grid<dim>& grid, Materials materials, OptionalColumns optional)
     : m_grid(grid),
       m_materials(std::move(materials)),
       m_optional(optional),
@@ -153,8 +152,30 @@ std::vector<int> Particles<dim>::sort_keys(const ParticleView<dim>& particles) c
   return keys;
 }
 
+/// The box of cells with particles of all ranks, and so much around it that they rarely leave it.
+template <int dim>
+void Particles<dim>::renew_active_cells() const {
+  constexpr int margin = 2;
+  const grid::Box<dim> all = m_grid.all_cells();
+  std::array<int, 2 * dim> extremes;  // first cells and, negative, last ones
+  for (int d = 0; d < dim; ++d) extremes[d] = all.end[d], extremes[dim + d] = 0;
+  for (const auto& cell : cells())
+    for (int d = 0; d < dim; ++d) {
+      extremes[d] = std::min(extremes[d], cell[d]);
+      extremes[dim + d] = std::min(extremes[dim + d], -cell[d]);
+    }
+  MPI_Allreduce(MPI_IN_PLACE, extremes.data(), 2 * dim, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
+  grid::Box<dim> active;
+  for (int d = 0; d < dim; ++d) {
+    active.begin[d] = extremes[d] - margin;
+    active.end[d] = 1 - extremes[dim + d] + margin;
+  }
+  m_grid.set_active_cells(grid::intersection(active, all));
+}
+
 template <int dim>
 void Particles<dim>::sort() {
+  renew_active_cells();
   const int keys_per_material = m_grid.reachable_cells().size();
   const auto materials = static_cast<int>(m_materials.size());
   std::vector<int> order;

@@ -28,7 +28,7 @@ void ExplicitStep<dim, Basis>::find_mass(const View& particles) {
   if (!m_mass)
     m_mass = std::make_unique<grid::NodalField<dim>>(
         m_parts.grid, std::vector<grid::Component>{{grid::Component::scalar}});
-  m_mass->set_to_zero();
+  m_mass->set_active_to_zero();
   transfer::deposit_mass<dim, Basis>(particles, stencil(), m_mass->values(0));
   m_mass->sum_to_owners();
   m_parts.walls.fold(m_parts.grid, *m_mass);
@@ -40,7 +40,7 @@ template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::deposit(const View& particles, const StepOptions<dim>& options) {
   if constexpr (transfer::DualBasis<Basis>) find_mass(particles);
   const transfer::MassMomentumForce<dim> sums(m_sums);
-  m_sums.set_to_zero();
+  m_sums.set_active_to_zero();
   transfer::deposit_mass_momentum_force<dim, Basis>(particles, stencil(), options.body_force, sums);
   if (options.transfer == Transfer::apic)
     transfer::deposit_affine_momentum<dim, Basis>(particles, stencil(), sums.momentum);
@@ -65,7 +65,7 @@ void ExplicitStep<dim, Basis>::update_velocities_and_remap(const View& particles
                                                            const StepOptions<dim>& options) {
   const double dt = state.momentum_dt();
   const transfer::VelocityAcceleration<dim> rates(m_rates);
-  m_remapped.set_to_zero();
+  m_remapped.set_active_to_zero();
   transfer::update_velocities_and_deposit_momentum<dim, Basis>(
       particles, stencil(), dt, options.flip_share(dt), rates, remapped_velocity());
   if (options.transfer == Transfer::apic) {
@@ -81,7 +81,7 @@ template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::take_deposited_velocities() {
   const transfer::MassMomentumForce<dim> sums(m_sums);
   const transfer::NodalVector<dim> remapped = remapped_velocity();
-  m_parts.grid.for_each_owned_node([&](int I, const auto&) {
+  m_parts.grid.for_each_active_node([&](int I, const auto&) {
     for (int d = 0; d < dim; ++d) remapped.value[d][I] = sums.momentum[d][I];
   });
   m_parts.walls.fold(m_parts.grid, m_sums);
@@ -126,11 +126,11 @@ void ExplicitStep<dim, Basis>::average_volume_change(const View& particles) {
   grid::NodalField<dim>& field = *m_volume_change;
   double* const volume = field.values(0);
   double* const change = field.values(1);
-  field.set_to_zero();
+  field.set_active_to_zero();
   transfer::deposit_volume_change<dim, Basis>(particles, stencil(), m_increments, volume, change);
   field.sum_to_owners();
   m_parts.walls.fold(m_parts.grid, field);
-  m_parts.grid.for_each_owned_node(
+  m_parts.grid.for_each_active_node(
       [&](int I, const auto&) { change[I] = volume[I] > 0.0 ? change[I] / volume[I] : 0.0; });
   m_parts.walls.unfold(m_parts.grid, field);
   field.copy_to_ghosts();
@@ -143,7 +143,7 @@ void ExplicitStep<dim, Basis>::update_momentum(const RunState& state, double dam
   const transfer::MassMomentumForce<dim> sums(m_sums);
   const double dt = state.momentum_dt();
   m_parts.walls.fold(m_parts.grid, m_sums);
-  m_parts.grid.for_each_owned_node([&](int I, const auto&) {
+  m_parts.grid.for_each_active_node([&](int I, const auto&) {
     for (int d = 0; d < dim; ++d) sums.momentum[d][I] += sums.force[d][I] * dt;
   });
   for (auto* condition : m_parts.conditions) condition->begin_step();
@@ -151,7 +151,7 @@ void ExplicitStep<dim, Basis>::update_momentum(const RunState& state, double dam
     condition->correct(m_parts.grid, {sums.mass, sums.momentum, sums.force, dt});
   m_parts.walls.hold(m_parts.grid, m_sums);
   m_unbalanced_force = 0.0;
-  m_parts.grid.for_each_owned_node([&](int I, const auto&) {
+  m_parts.grid.for_each_active_node([&](int I, const auto&) {
     double square = 0.0;
     for (int d = 0; d < dim; ++d) square += sums.force[d][I] * sums.force[d][I];
     m_unbalanced_force += std::sqrt(square);
@@ -166,7 +166,7 @@ void ExplicitStep<dim, Basis>::update_momentum(const RunState& state, double dam
 template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::apply_damping(double damping, double dt) {
   const transfer::MassMomentumForce<dim> sums(m_sums);
-  m_parts.grid.for_each_owned_node([&](int I, const auto&) {
+  m_parts.grid.for_each_active_node([&](int I, const auto&) {
     for (auto* condition : m_parts.conditions)
       if (condition->acts_on(I)) return;
     for (int d = 0; d < dim; ++d) {
@@ -184,7 +184,7 @@ template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::compute_velocity_and_acceleration() {
   const transfer::MassMomentumForce<dim> sums(m_sums);
   const transfer::VelocityAcceleration<dim> rates(m_rates);
-  m_parts.grid.for_each_owned_node([&](int I, const auto&) {
+  m_parts.grid.for_each_active_node([&](int I, const auto&) {
     const double inverse_mass = sums.mass[I] > 0.0 ? 1.0 / sums.mass[I] : 0.0;
     for (int d = 0; d < dim; ++d) {
       rates.velocity[d][I] = sums.momentum[d][I] * inverse_mass;
@@ -203,7 +203,7 @@ void ExplicitStep<dim, Basis>::constrain_remapped_momentum() {
   for (auto* condition : m_parts.conditions)
     condition->correct(m_parts.grid, {sums.mass, remapped.value});
   m_parts.walls.hold(m_parts.grid, m_remapped);
-  m_parts.grid.for_each_owned_node([&](int I, const auto&) {
+  m_parts.grid.for_each_active_node([&](int I, const auto&) {
     const double inverse_mass = sums.mass[I] > 0.0 ? 1.0 / sums.mass[I] : 0.0;
     for (int d = 0; d < dim; ++d) remapped.value[d][I] *= inverse_mass;
   });

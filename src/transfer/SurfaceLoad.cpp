@@ -72,7 +72,7 @@ Drift move_surface(const particles::BoundaryView<dim>& boundary, const grid::Gri
       boundary.area[d][b] = a[d];
     }
     const auto cell = grid.cell_of(y);
-    if (!grid.reachable_cells().contains(cell)) drift.must_migrate = true;
+    if (!grid.active_cells().contains(cell)) drift.must_migrate = true;
     if (!grid.all_cells().contains(cell)) drift.lost = b;
   }
   return drift;

@@ -200,7 +200,7 @@ Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
                                  const grid::Grid<dim>& grid, Increments& increments) {
   Drift drift;
   increments.resize(static_cast<std::size_t>(particles.count), dim);
-  const grid::Box<dim> everywhere = grid.all_cells(), reachable = grid.reachable_cells();
+  const grid::Box<dim> everywhere = grid.all_cells(), active = grid.active_cells();
   for (int p = 0; p < particles.count; ++p) {
     stencil.move_to(particles.position_of(p));
     Vector<dim> v{};
@@ -229,7 +229,7 @@ Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
       increments.spin[2][p] = 0.5 * (L[0][2] - L[2][0]) * dt.strain;
     }
     const auto cell = grid.cell_of(x);
-    if (!reachable.contains(cell)) {
+    if (!active.contains(cell)) {
       drift.must_migrate = true;
       if (!everywhere.contains(cell)) drift.lost = p;
     }

@@ -69,6 +69,14 @@ def softening_jobs():
                                "pipe_end_displacement": 0.9}
 
 
+def savings_jobs():
+    """What half a model and a graded far field save, and that they change nothing that counts."""
+    coarse = HOUSE | {"pipe_cells_per_diameter": 6, "pipe_end_displacement": 0.205}
+    yield "half", coarse
+    yield "full", coarse | {"symmetry": "full"}
+    yield "uniform", coarse | {"pipe_far_cell_ratio": 1}
+
+
 def resistance_at(job_dir, displacement):
     """Mean of N_d over the 0.01 in u/D around the displacement."""
     with open(job_dir / "history.csv", encoding="utf-8") as file:
@@ -88,5 +96,6 @@ def table_row(job, job_dir, options):
 
 
 STUDIES = {"contact": contact_jobs, "domain": domain_jobs, "velocity": velocity_jobs,
-           "courant": courant_jobs, "cells": cell_jobs, "softening": softening_jobs}
+           "courant": courant_jobs, "cells": cell_jobs, "softening": softening_jobs,
+           "savings": savings_jobs}
 RANKS = 2

@@ -2,6 +2,7 @@
 
 #include <petscdmda.h>
 
+#include <algorithm>
 #include <array>
 
 #include "mpm/basis/BSpline.hpp"
@@ -22,6 +23,7 @@ struct Box {
       if (index[d] < begin[d] || index[d] >= end[d]) return false;
     return true;
   }
+  bool operator==(const Box&) const = default;
   int extent(int d) const { return end[d] - begin[d]; }
   int size() const {
     int product = 1;
@@ -29,6 +31,17 @@ struct Box {
     return product;
   }
 };
+
+/// What two boxes share; empty in a direction where they share nothing.
+template <int dim>
+Box<dim> intersection(const Box<dim>& a, const Box<dim>& b) {
+  Box<dim> box;
+  for (int d = 0; d < dim; ++d) {
+    box.begin[d] = std::max(a.begin[d], b.begin[d]);
+    box.end[d] = std::max(box.begin[d], std::min(a.end[d], b.end[d]));
+  }
+  return box;
+}
 
 /// The background grid: a PETSc DMDA of spline nodes, and which nodes and cells are this rank's.
 /// A rank's local arrays cover its ghosted box, first direction fastest.
@@ -77,6 +90,17 @@ class Grid {
   const Box<dim>& owned_cells() const { return m_owned_cells; }
   /// Cells whose particles this rank can still carry: the owned ones and one cell of drift.
   const Box<dim>& reachable_cells() const { return m_reachable_cells; }
+
+  /// Says which cells of the whole grid may hold particles until it is said again; the same on all
+  /// ranks. Nodes that these do not reach cost nothing in a step.
+  void set_active_cells(const Box<dim>& cells);
+  /// Active cells whose particles this rank can carry.
+  const Box<dim>& active_cells() const { return m_active_cells; }
+  /// Nodes of this rank's ghosted box that active cells of any rank reach.
+  const Box<dim>& active_nodes() const { return m_active_nodes; }
+  /// Goes up whenever the active nodes become others.
+  int active_version() const { return m_active_version; }
+
   int rank_of_cell(const Index& cell) const;
   long long global_cells() const;
 
@@ -84,6 +108,11 @@ class Grid {
   template <class Visit>
   void for_each_owned_node(const Visit& visit) const {
     for_each_node(m_owned, visit);
+  }
+  /// The same for those that a step needs.
+  template <class Visit>
+  void for_each_active_node(const Visit& visit) const {
+    for_each_node(m_active_owned_nodes, visit);
   }
   template <class Visit>
   void for_each_node(const Box<dim>& box, const Visit& visit) const {
@@ -113,6 +142,8 @@ class Grid {
   partition::Layout<dim> m_layout;
   petsc::DmHandle m_dm;
   Box<dim> m_owned, m_ghosted, m_owned_cells, m_reachable_cells;
+  Box<dim> m_active_cells, m_active_nodes, m_active_owned_nodes;
+  int m_active_version = 0;
 };
 
 extern template class Grid<1>;

@@ -29,6 +29,8 @@ class NodalField {
   const double* values(int c) const { return const_cast<NodalField*>(this)->values(c); }
 
   void set_to_zero();
+  /// The same, knowing that only active nodes have been written since the last time.
+  void set_active_to_zero();
 
   /// Adds what this rank holds on nodes of others to their owners. Collective.
   void sum_to_owners();
@@ -44,6 +46,7 @@ class NodalField {
   petsc::VecHandle m_vector;
   double* m_values = nullptr;
   petsc::StarForestHandle m_halo;
+  int m_zeroed_version = -1;  ///< of the grid's active nodes when all was last zero
 };
 
 extern template class NodalField<1>;

@@ -78,8 +78,8 @@ class ParticleView {
 template <int dim>
 class Particles {
  public:
-  /// Collective. `grid` must outlive the particles.
-  Particles(const grid::Grid<dim>& grid, Materials materials, OptionalColumns optional = {});
+  /// Collective. `grid` must outlive the particles and learns where they are.
+  Particles(grid::Grid<dim>& grid, Materials materials, OptionalColumns optional = {});
 
   /// Adds particles that lie in cells of this rank, then sorts. Collective.
   void add(std::span<const Seed<dim>> seeds);
@@ -88,7 +88,8 @@ class Particles {
   /// Collective; throws NumericalFailure on all ranks if one left the grid.
   void migrate();
 
-  /// Orders the particles of this rank by material and cell. Local.
+  /// Orders the particles of this rank by material and cell, and tells the grid which cells hold
+  /// some. Collective.
   void sort();
 
   ParticleView<dim> view() const { return {m_swarm, m_state_names, m_optional}; }
@@ -117,7 +118,9 @@ class Particles {
   std::vector<int> sort_keys(const ParticleView<dim>& view) const;
   void fill(const Seed<dim>& seed, const ParticleView<dim>& view, int p) const;
 
-  const grid::Grid<dim>& m_grid;
+  void renew_active_cells() const;
+
+  grid::Grid<dim>& m_grid;
   Materials m_materials;
   OptionalColumns m_optional;
   std::vector<std::string> m_state_names;
