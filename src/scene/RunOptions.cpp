@@ -19,9 +19,12 @@ std::string default_courant(double largest) {
 
 }  // namespace
 
+double RunOptions::stable_courant() const {
+  return solver::stable_courant({basis, ends, scheme, transfer});
+}
+
 double RunOptions::courant() const {
-  const double limit = solver::stable_courant({basis, ends, scheme, transfer});
-  return given_courant.value_or(std::min(largest_courant, share_of_limit * limit));
+  return given_courant.value_or(std::min(largest_courant, share_of_limit * stable_courant()));
 }
 
 void RunOptions::declare(options::OptionSet& options) {

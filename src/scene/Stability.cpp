@@ -85,6 +85,7 @@ class Stability : public Scene {
   template <int dim>
   void find_limits(io::Summary& summary) const {
     summary.set("search_end", search_end);
+    summary.set("stable_courant", m_run.stable_courant());
     summary.set("limit_interior", limit_in_box<dim>(grid::Wall::roller));
     summary.set("limit_fixed_wall", limit_in_box<dim>(grid::Wall::fixed));
     summary.set("limit_filled_to_free_end", limit_in_box<dim>(grid::Wall::free));

@@ -17,17 +17,17 @@ Limits limits_of(basis::Kind kind, basis::EndTreatment ends) {
   const bool open = ends == basis::EndTreatment::open_knot;
   switch (kind) {
     case basis::Kind::linear:
-      return {{1.30, 1.15, 0.062}, {0.044, 0.044, 0.062}};
+      return {{0.88, 1.03, 0.062}, {0.044, 0.044, 0.062}};
     case basis::Kind::gimp:
-      return {{1.69, 1.48, 0.90}, {0.62, 0.63, 0.68}};
+      return {{1.56, 1.40, 0.69}, {0.46, 0.48, 0.49}};
     case basis::Kind::ddmp:
-      return {{1.50, 1.23, 0.062}, {0.044, 0.044, 0.062}};
+      return {{0.93, 1.13, 0.062}, {0.044, 0.044, 0.062}};
     case basis::Kind::quadratic:
-      return open ? Limits{{1.55, 1.31, 0.98}, {0.67, 0.69, 0.78}}
-                  : Limits{{1.90, 1.87, 1.30}, {0.69, 0.70, 0.78}};
+      return open ? Limits{{1.28, 1.1, 0.8}, {0.59, 0.6, 0.7}}
+                  : Limits{{1.97, 1.72, 1.00}, {0.59, 0.62, 0.74}};
     case basis::Kind::cubic:
-      return open ? Limits{{1.43, 1.20, 0.84}, {0.53, 0.54, 0.62}}
-                  : Limits{{2.18, 1.90, 1.50}, {1.00, 1.00, 1.20}};
+      return open ? Limits{{1.07, 1.0, 0.7}, {0.47, 0.48, 0.5}}
+                  : Limits{{2.18, 2.00, 1.43}, {0.94, 1.03, 1.24}};
   }
   return {};  // not reached
 }

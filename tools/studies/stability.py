@@ -27,10 +27,11 @@ def methods():
         for basis in BASES:
             for update in UPDATES:
                 yield {"basis": basis, "update": update, "transfer": transfer}
-    for basis in ("quadratic", "cubic"):
-        for update in UPDATES:
-            yield {"basis": basis, "update": update, "transfer": "flip",
-                   "basis_boundary": "open_knot"}
+    for transfer in TRANSFERS:
+        for basis in ("quadratic", "cubic"):
+            for update in UPDATES:
+                yield {"basis": basis, "update": update, "transfer": transfer,
+                       "basis_boundary": "open_knot"}
 
 
 def jobs():

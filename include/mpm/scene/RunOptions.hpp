@@ -36,6 +36,8 @@ struct RunOptions {
 
   /// Time step as a share of h/(c + |v|): as given, or half the limit of the method.
   double courant() const;
+  /// The limit of the method, see solver/StableCourant.hpp.
+  double stable_courant() const;
 
   template <int dim>
   void apply_to(solver::SimulationSetup<dim>& setup) const {
