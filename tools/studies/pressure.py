@@ -22,6 +22,7 @@ def jobs():
     yield "both0.001", BASE | {"average_volume": "true", "flip_time": 0.001}
     yield "particles3", BASE | {"particles_per_cell_direction": 3}
     yield "quadratic", BASE | {"basis": "quadratic"}
+    yield "apic", BASE | {"transfer": "apic"}
 
 
 def smooth_value(offsets, values):
