@@ -17,17 +17,17 @@ Limits limits_of(basis::Kind kind, basis::EndTreatment ends) {
   const bool open = ends == basis::EndTreatment::open_knot;
   switch (kind) {
     case basis::Kind::linear:
-      return {{0.88, 1.03, 0.062}, {0.044, 0.044, 0.062}};
+      return {{0.884, 1.036, 0.062}, {0.044, 0.044, 0.062}};
     case basis::Kind::gimp:
-      return {{1.56, 1.40, 0.69}, {0.46, 0.48, 0.49}};
+      return {{1.567, 1.405, 0.698}, {0.460, 0.488, 0.498}};
     case basis::Kind::ddmp:
-      return {{0.93, 1.13, 0.062}, {0.044, 0.044, 0.062}};
+      return {{0.934, 1.131, 0.062}, {0.044, 0.044, 0.062}};
     case basis::Kind::quadratic:
-      return open ? Limits{{1.28, 1.1, 0.8}, {0.59, 0.6, 0.7}}
-                  : Limits{{1.97, 1.72, 1.00}, {0.59, 0.62, 0.74}};
+      return open ? Limits{{1.283, 1.191, 0.913}, {0.591, 0.626, 0.735}}
+                  : Limits{{1.970, 1.723, 1.002}, {0.591, 0.626, 0.746}};
     case basis::Kind::cubic:
-      return open ? Limits{{1.07, 1.0, 0.7}, {0.47, 0.48, 0.5}}
-                  : Limits{{2.18, 2.00, 1.43}, {0.94, 1.03, 1.24}};
+      return open ? Limits{{1.075, 0.986, 0.772}, {0.473, 0.507, 0.579}}
+                  : Limits{{2.182, 2.006, 1.433}, {0.945, 1.035, 1.243}};
   }
   return {};  // not reached
 }

@@ -192,7 +192,7 @@ def main():
         if int(ranks) > 1:
             driver.refuse(4, *TOO_MANY_RANKS)
             driver.refuse(2, *ONE_CELL)
-        driver.accept(ranks, [], {"PETSC_OPTIONS": "-cells 5"}, [], ["-cells", "64"])
+        driver.accept(ranks, [], {"PETSC_OPTIONS": "-amplitude 0.1"}, [], ["-amplitude", "0.05"])
         driver.accept(ranks, ["-options_file", "files/plain.opts"], {}, [], ["-cells", "16"])
         driver.accept(ranks, ["-log_view"], {}, ["PETSc Performance Summary"])
         driver.accept(ranks, ["-cells", "16"], {}, [], ["-cells", "16"])
