@@ -1,0 +1,58 @@
+"""Scenes with an exact answer, or a sharp property, by every method: where each fails.
+
+Default steps, half of each method's limit. A run that stops is a row with its reason.
+"""
+
+import json
+
+from . import rows
+from .accuracy import KEYS, METHODS as CHARTED
+
+METHODS = CHARTED | {
+    "linear_usl": ("linear", "mirror", "usl", "flip"),
+    "linear_apic": ("linear", "mirror", "musl", "apic"),
+    "quadratic_usl": ("quadratic", "mirror", "usl", "flip"),
+}
+
+# Options and the answer that is looked at.
+SCENES = {
+    "patch": ({}, "residual_max"),
+    "mms1d": ({"cells": 64}, "error_displacement_rms"),
+    "column": ({"cells": 32}, "error_stress_mean"),
+    "vortex": ({"cells": 32, "amplitude": 0.2}, "error_displacement_rms"),
+    "bar": ({}, "energy_ratio"),
+    "rotation": ({"turn": "free", "cells": 16}, "error_angular_momentum"),
+    "traction": ({}, "error_stress_mean"),
+    "discs": ({"cells": 20}, "energy_ratio"),
+    "gap": ({}, "error_gap_cells"),
+    "footing": ({"cells": 5}, "error_bearing_capacity"),
+    "collapse": ({"cells": 10}, "error_run_out"),
+    "cut_cell": ({}, "energy_growth"),
+}
+
+
+def jobs():
+    for scene, (options, _) in SCENES.items():
+        for method, words in METHODS.items():
+            yield f"{scene}-{method}", {"scene": scene} | options | dict(zip(KEYS, words)) | {
+                "progress": "off"}
+
+
+def table_row(job, job_dir, options):
+    scene, method = job.split("-")
+    key = SCENES[scene][1]
+    row = {"scene": scene, "method": method, "answer": key}
+    summary = {"git_hash": ""}
+    if (job_dir / "summary.json").exists():
+        summary = json.loads((job_dir / "summary.json").read_text(encoding="utf-8"))
+        row |= {"value": f"{summary[key]:.4g}", "courant": f"{summary.get('courant', 0):.3g}",
+                "failure": ""}
+    else:
+        failure = json.loads((job_dir / "failure.json").read_text(encoding="utf-8"))
+        row |= {"value": "", "courant": "", "failure": failure.get("message", "stopped")}
+    return row | rows.provenance(options, summary)
+
+
+STUDIES = {"failures": jobs}
+RANKS = 1
+FAILURES_ARE_ROWS = True
