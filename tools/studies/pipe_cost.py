@@ -46,5 +46,36 @@ def table_row(job, job_dir, options):
     return row | rows.cost(summary, "step_loop_s") | rows.provenance(options, summary)
 
 
+def resistances(rows_of_table, job):
+    row = next(row for row in rows_of_table if row["job"] == job)
+    return [float(row[f"N_d_at_{u}"]) for u in DISPLACEMENTS]
+
+
+def reference(rows_of_table):
+    """N_d of the reference, each multiplied by the ratio N_d(h -> 0)/N_d(D/12) of the base's speed
+    and domain. The limit is taken from D/12 and D/16 as if errors were proportional to h, which is
+    the larger correction of those that fit."""
+    coarse, fine, slow = (resistances(rows_of_table, job) for job in (
+        "pipe_cells_per_diameter_12", "pipe_cells_per_diameter_16", "reference"))
+    return [c * (b + 3.0 * (b - a)) / a for a, b, c in zip(coarse, fine, slow)]
+
+
+def finish(rows_of_table):
+    """Adds the errors against the reference and a row of the reference itself."""
+    limit = reference(rows_of_table)
+    for row in rows_of_table:
+        for u, exact in zip(DISPLACEMENTS, limit):
+            row[f"error_at_{u}"] = f"{float(row[f'N_d_at_{u}']) / exact - 1.0:.4f}"
+    extrapolated = dict.fromkeys(rows_of_table[0], "") | {"job": "reference_extrapolated"}
+    extrapolated |= {f"N_d_at_{u}": f"{N_d:.5g}" for u, N_d in zip(DISPLACEMENTS, limit)}
+    return rows_of_table + [extrapolated]
+
+
+def draw(rows_of_table, directory):
+    from plotting import pipe_cost
+
+    pipe_cost.draw(rows_of_table, directory / "pipe_cost.png")
+
+
 STUDIES = {"pipe_cost": jobs}
 RANKS = 2
