@@ -49,6 +49,7 @@ def draw(rows, path):
         if work == "step_loop_s":
             panel.set_title(f"{TITLES[case]}; {STEPS[step]}")
             panel.set_ylabel("rms error of displacement / $A$")
-    made.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=6)
+    made.legend(*axes[0].get_legend_handles_labels(), loc="lower center", ncol=6)
+    made.get_layout_engine().set(rect=(0, 0.035, 1, 1 - 0.035))
     made.savefig(path)
     plt.close(made)
