@@ -34,6 +34,8 @@ def draw_method(axes, method, points, work):
     axes.plot([point[work] for point in shown],
               [min(point["error"], WORST) for point in shown], line, marker=marker, ms=3, lw=1,
               color=COLOURS[basis], label=method.replace("_", " "))
+    failed = [point[work] for point in points if point["error"] is None and point[work]]
+    axes.plot(failed, [WORST] * len(failed), marker, mec=COLOURS[basis], mfc="none", ms=6)
 
 
 def draw(rows, path):

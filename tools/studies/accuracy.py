@@ -57,21 +57,30 @@ def jobs():
                         "cells": cells, "courant": courant, "progress": "off"}
 
 
+def read(path):
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+
+
 def table_row(job, job_dir, options):
     case, method, step, cells = job.split("-")
+    summary, failure = read(job_dir / "summary.json"), read(job_dir / "failure.json")
     row = {"case": case, "method": method, "step": step, "cells": cells,
-           "courant": options["courant"]}
-    summary_file = job_dir / "summary.json"
-    summary = json.loads(summary_file.read_text(encoding="utf-8")) if summary_file.exists() else {}
-    columns = {"error": summary.get(CASES[case][2], "")}
-    for key in ("particles", "steps", "step_loop_s", "git_hash"):
-        columns[key] = summary.get(key, "")
+           "courant": options["courant"], "error": "", "particles": "",
+           "steps": failure.get("last_good_step", ""), "step_loop_s": "",
+           "failure": failure.get("message", "")}
     if summary:
-        columns["error"] = f"{columns['error']:.4g}"
-        columns["step_loop_s"] = f"{columns['step_loop_s']:.3g}"
-    commit = columns.pop("git_hash")
-    settings = rows.provenance(options, {"git_hash": commit})
-    return row | columns | settings
+        row |= {"error": f"{summary[CASES[case][2]]:.4g}", "particles": summary["particles"],
+                "steps": summary["steps"], "step_loop_s": f"{summary['step_loop_s']:.3g}"}
+    return row | rows.provenance(options, {"git_hash": summary.get("git_hash", "")})
+
+
+def finish(rows_of_table):
+    """Failed runs had as many particles as others of their case and cells."""
+    particles = {(row["case"], row["cells"]): row["particles"]
+                 for row in rows_of_table if row["particles"]}
+    for row in rows_of_table:
+        row["particles"] = particles[row["case"], row["cells"]]
+    return rows_of_table
 
 
 STUDIES = {"accuracy": jobs}
