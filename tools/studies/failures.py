@@ -4,6 +4,7 @@ Default steps, half of each method's limit. A run that stops is a row with its r
 """
 
 import json
+import math
 
 from . import rows
 from .accuracy import KEYS, METHODS as CHARTED
@@ -26,7 +27,7 @@ SCENES = {
     "discs": ({"cells": 20}, "energy_ratio"),
     "gap": ({}, "error_gap_cells"),
     "footing": ({"cells": 5}, "error_bearing_capacity"),
-    "collapse": ({"cells": 10}, "error_run_out"),
+    "collapse": ({"cells": 10, "max_steps": 200_000}, "error_run_out"),
     "cut_cell": ({}, "energy_growth"),
 }
 
@@ -45,8 +46,9 @@ def table_row(job, job_dir, options):
     summary = {"git_hash": ""}
     if (job_dir / "summary.json").exists():
         summary = json.loads((job_dir / "summary.json").read_text(encoding="utf-8"))
+        cut = summary.get("steps", 0) >= options.get("max_steps", math.inf)
         row |= {"value": f"{summary[key]:.4g}", "courant": f"{summary.get('courant', 0):.3g}",
-                "failure": ""}
+                "failure": f"no end in {summary['steps']} steps" if cut else ""}
     else:
         failure = json.loads((job_dir / "failure.json").read_text(encoding="utf-8"))
         row |= {"value": "", "courant": "", "failure": failure.get("message", "stopped")}
