@@ -19,7 +19,8 @@ METHODS = CHARTED | {
 SCENES = {
     "patch": ({}, "residual_max"),
     "mms1d": ({"cells": 64}, "error_displacement_rms"),
-    "column": ({"cells": 32, "max_steps": 50_000}, "error_stress_mean"),
+    "column": ({"cells": 32, "geostatic_tolerance": 1e-6, "max_steps": 200_000},
+               "error_stress_mean"),
     "vortex": ({"cells": 32, "amplitude": 0.2}, "error_displacement_rms"),
     "bar": ({}, "energy_ratio"),
     "rotation": ({"turn": "free", "cells": 16}, "error_angular_momentum"),
