@@ -125,6 +125,10 @@ TOO_MANY_RANKS = (["-scene", "column", "-cells", "4", "-output_dir", "OUT/column
 # A single linear cell has two nodes per direction, as many as a rank needs.
 ONE_CELL = (["-scene", "triaxial", "-output_dir", "OUT/triaxial"],
             ["2 ranks are too many", "largest", "is 1"])
+STABILITY_ON_RANKS = (["-scene", "stability", "-output_dir", "OUT/stability"],
+                      ["2 ranks", "stability", "one"])
+STABILITY_WITH_RATE = (["-scene", "stability", "-flip_time", "0.1", "-output_dir", "OUT/stability"],
+                       ["-flip_time", "leave it out"])
 
 
 class Driver:
@@ -192,6 +196,9 @@ def main():
         if int(ranks) > 1:
             driver.refuse(4, *TOO_MANY_RANKS)
             driver.refuse(2, *ONE_CELL)
+            driver.refuse(2, *STABILITY_ON_RANKS)
+        else:
+            driver.refuse(1, *STABILITY_WITH_RATE)
         driver.accept(ranks, [], {"PETSC_OPTIONS": "-amplitude 0.1"}, [], ["-amplitude", "0.05"])
         driver.accept(ranks, ["-options_file", "files/plain.opts"], {}, [], ["-cells", "16"])
         driver.accept(ranks, ["-log_view"], {}, ["PETSc Performance Summary"])
