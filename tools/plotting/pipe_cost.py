@@ -43,6 +43,7 @@ def draw_panel(axes, rows, displacement):
         row = next(row for row in rows if row["job"] == job)
         axes.plot(*point(row), marker, ms=7, color="black", mfc="white", zorder=5, label=job)
     axes.set(xscale="log", xlabel="particle updates", ylabel="error of $N_d$ (%)")
+    axes.set_yscale("symlog", linthresh=2 * BAND)
     axes.set_title(f"$u/D$ = {displacement}")
 
 
