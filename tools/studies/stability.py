@@ -1,6 +1,9 @@
-"""The largest stable Courant number of every basis, scheme and transfer: the stability map."""
+"""The largest stable Courant number of every basis, scheme and transfer: the stability map; and
+10,000 non-linear steps just below and above it."""
 
+import csv
 import json
+import pathlib
 
 from . import rows
 
@@ -43,6 +46,8 @@ def jobs():
 
 def table_row(job, job_dir, options):
     summary = json.loads((job_dir / "summary.json").read_text(encoding="utf-8"))
+    if options["scene"] == "cut_cell":
+        return confirming_row(job, summary, options)
     row = {key: summary[f"option_{key}"]
            for key in ("basis", "basis_boundary", "update", "transfer")}
     row["dimension"] = int(summary["option_dimension"])
@@ -52,5 +57,36 @@ def table_row(job, job_dir, options):
     return row | rows.provenance(options, summary)
 
 
-STUDIES = {"stability": jobs}
+MAP = pathlib.Path(__file__).resolve().parents[2] / "docs/data/stability.csv"
+SHARES = (0.97, 1.03, 1.1)
+LARGEST_COURANT = 2.0  # that can be asked for
+
+
+def limits_of_bars():
+    """Basis, update and limit of free bars with two particles per cell, FLIP."""
+    with open(MAP, encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            if (row["dimension"], row["particles_per_direction"], row["transfer"],
+                    row["basis_boundary"]) == ("1", "2", "flip", "mirror"):
+                yield row["basis"], row["update"], float(row["limit_free_surface"])
+
+
+def confirming_jobs():
+    """Bars at 20 places of their ends, stepped at shares of their limit."""
+    for basis, update, limit in limits_of_bars():
+        for share in SHARES:
+            if share * limit <= LARGEST_COURANT:
+                yield f"steps-{basis}-{update}-{share}", {
+                    "scene": "cut_cell", "basis": basis, "update": update, "amplitude": 1e-6,
+                    "courant": round(share * limit, 4), "progress": "off"}
+
+
+def confirming_row(job, summary, options):
+    _, basis, update, share = job.split("-")
+    return {"basis": basis, "update": update, "share_of_limit": share,
+            "courant": options["courant"], "stable_places": int(summary["stable_offsets"]),
+            "places": int(summary["option_offsets"])} | rows.provenance(options, summary)
+
+
+STUDIES = {"stability": jobs, "stability_confirmed": confirming_jobs}
 RANKS = 1
