@@ -5,7 +5,6 @@ Courant number. A run that fails is a row without an error.
 """
 
 import csv
-import json
 import pathlib
 
 from . import rows
@@ -57,13 +56,10 @@ def jobs():
                         "cells": cells, "courant": courant, "progress": "off"}
 
 
-def read(path):
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-
-
 def table_row(job, job_dir, options):
     case, method, step, cells = job.split("-")
-    summary, failure = read(job_dir / "summary.json"), read(job_dir / "failure.json")
+    summary, failure = (rows.read_json(path) if path.exists() else {}
+                        for path in (job_dir / "summary.json", job_dir / "failure.json"))
     row = {"case": case, "method": method, "step": step, "cells": cells,
            "courant": options["courant"], "error": "", "particles": "",
            "steps": failure.get("last_good_step", ""), "step_loop_s": "",

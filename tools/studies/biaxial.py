@@ -1,7 +1,5 @@
 """Biaxial compression with the paper's four combinations of cells and particles."""
 
-import json
-
 from . import readings, rows
 
 CASES = {"C4": (0.125, 2), "M4": (0.1, 2), "M9": (0.1, 3), "F4": (0.0625, 2)}
@@ -35,7 +33,7 @@ def numerics_jobs():
 
 
 def table_row(job, job_dir, options):
-    summary = json.loads((job_dir / "summary.json").read_text(encoding="utf-8"))
+    summary = rows.read_json(job_dir / "summary.json")
     row = {"job": job}
     for name, key in STRAINS.items():
         row[name] = f"{summary[key] / 1e3:.5g}"

@@ -3,7 +3,6 @@
 Default steps, half of each method's limit. A run that stops is a row with its reason.
 """
 
-import json
 import math
 
 from . import rows
@@ -46,12 +45,12 @@ def table_row(job, job_dir, options):
     row = {"scene": scene, "method": method, "answer": key}
     summary = {"git_hash": ""}
     if (job_dir / "summary.json").exists():
-        summary = json.loads((job_dir / "summary.json").read_text(encoding="utf-8"))
+        summary = rows.read_json(job_dir / "summary.json")
         cut = summary.get("steps", 0) >= options.get("max_steps", math.inf)
         row |= {"value": f"{summary[key]:.4g}", "courant": f"{summary.get('courant', 0):.3g}",
                 "failure": f"no end in {summary['steps']} steps" if cut else ""}
     else:
-        failure = json.loads((job_dir / "failure.json").read_text(encoding="utf-8"))
+        failure = rows.read_json(job_dir / "failure.json")
         row |= {"value": "", "courant": "", "failure": failure.get("message", "stopped")}
     return row | rows.provenance(options, summary)
 

@@ -1,7 +1,6 @@
 """How the pipe's resistance depends on numerical choices: N_d at given u/D, settings, run time."""
 
 import csv
-import json
 
 from . import readings, rows
 
@@ -86,7 +85,7 @@ def resistance_at(job_dir, displacement):
 
 
 def table_row(job, job_dir, options):
-    summary = json.loads((job_dir / "summary.json").read_text(encoding="utf-8"))
+    summary = rows.read_json(job_dir / "summary.json")
     row = {"job": job} | {f"N_d_at_{u}": f"{resistance_at(job_dir, u):.4g}" for u in DISPLACEMENTS}
     if options.get("pipe_end_displacement", 0.0) > 0.5:  # far enough for a failure threshold
         row |= {"N_d_at_0.4": f"{resistance_at(job_dir, 0.4):.4g}"}

@@ -1,8 +1,6 @@
 """What the accuracy of the pipe's resistance costs: one numerical choice at a time around a coarse
 base, cell size at the speed of input/pipe.opts, and all of them together in a reference."""
 
-import json
-
 from . import pipe, rows
 
 DISPLACEMENTS = (0.05, 0.1, 0.2, 0.4)
@@ -38,7 +36,7 @@ def jobs():
 
 
 def table_row(job, job_dir, options):
-    summary = json.loads((job_dir / "summary.json").read_text(encoding="utf-8"))
+    summary = rows.read_json(job_dir / "summary.json")
     row = {"job": job}
     for u in DISPLACEMENTS:
         row[f"N_d_at_{u}"] = f"{pipe.resistance_at(job_dir, u):.5g}"

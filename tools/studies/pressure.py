@@ -1,7 +1,5 @@
 """How much the particles' pressures scatter under the pipe, and what cures it at what cost."""
 
-import json
-
 import numpy as np
 
 from plotting.run import Run
@@ -56,7 +54,7 @@ def output_at(run, displacement, diameter):
 
 
 def table_row(job, job_dir, options):
-    summary = json.loads((job_dir / "summary.json").read_text(encoding="utf-8"))
+    summary = rows.read_json(job_dir / "summary.json")
     run = Run(str(job_dir))
     diameter = run.option("pipe_diameter")
     row = {"job": job}

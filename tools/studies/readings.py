@@ -5,10 +5,9 @@ I_R = D_r (10 - ln p') - 1 between 0 and 4, p' in kPa at the peak, and -deps_v/d
 """
 
 import csv
-import json
 import math
 
-from .rows import provenance
+from .rows import provenance, read_json
 
 READINGS = ("normalized", "plain", "explicit")
 PACKINGS = {"dense": 0.524, "medium": 0.657}
@@ -71,7 +70,7 @@ def dilatancy(before, after):
 
 
 def table_row(job, job_dir, options):
-    summary = json.loads((job_dir / "summary.json").read_text(encoding="utf-8"))
+    summary = read_json(job_dir / "summary.json")
     with open(job_dir / "history.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     shift = summary["option_sand_cohesion"]

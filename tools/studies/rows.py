@@ -1,4 +1,10 @@
-"""Columns that the tables of several studies share."""
+"""What the studies share: reading a run's answers, and columns of their tables."""
+
+import json
+
+
+def read_json(path):
+    return json.loads(path.read_text(encoding="utf-8"))
 
 
 def cost(summary, seconds="wall_s"):

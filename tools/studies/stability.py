@@ -2,7 +2,6 @@
 10,000 non-linear steps just below and above it."""
 
 import csv
-import json
 import pathlib
 
 from . import rows
@@ -45,7 +44,7 @@ def jobs():
 
 
 def table_row(job, job_dir, options):
-    summary = json.loads((job_dir / "summary.json").read_text(encoding="utf-8"))
+    summary = rows.read_json(job_dir / "summary.json")
     if options["scene"] == "cut_cell":
         return confirming_row(job, summary, options)
     row = {key: summary[f"option_{key}"]
