@@ -132,7 +132,7 @@ class Bar : public Scene {
                     const Motion before = std::exchange(motion, measure(simulation));
                     error = phase_error(before, motion, state.time - 0.5 * state.dt_old);
                     energies = meter.after_step();
-                    if (state.step % std::max<std::int64_t>(1, m_run.history_every) == 0)
+                    if (m_run.row_is_due(state.step))
                       history.row({energies.time, motion.velocity, error, energies.kinetic,
                                    energies.strain, energies.total(), state.dt_old,
                                    static_cast<double>(state.step)});

@@ -9,6 +9,7 @@
 #include "mpm/petsc/Session.hpp"
 #include "mpm/scene/BiaxialOptions.hpp"
 #include "mpm/scene/InitialStress.hpp"
+#include "mpm/scene/RigidContactOf.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "mpm/scene/Settling.hpp"
 #include "mpm/scene/WatchedParticle.hpp"
@@ -58,11 +59,9 @@ std::shared_ptr<contact::RigidContact<2>> make_plate(const BiaxialOptions& optio
                                                      double density) {
   const contact::RigidBody<2> plate{std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, -1.0}),
                                     {0.0, options.height}};
-  return std::make_shared<contact::RigidContact<2>>(
-      simulation.grid(), simulation.walls(), simulation.step().point_deposit(), plate,
-      contact::ContactOptions{.gap_cells = options.gap_cells,
-                              .friction = options.friction,
-                              .reference_density = density});
+  return contact_of(
+      simulation, plate,
+      {.gap_cells = options.gap_cells, .friction = options.friction, .reference_density = density});
 }
 
 BiaxialRun::BiaxialRun(const BiaxialOptions& options, io::Summary& summary)

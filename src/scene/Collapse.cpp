@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "mpm/contact/RigidContact.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/material/MohrCoulomb.hpp"
 #include "mpm/petsc/Session.hpp"
 #include "mpm/scene/InitialStress.hpp"
+#include "mpm/scene/RigidContactOf.hpp"
 #include "mpm/scene/RunLoop.hpp"
 #include "mpm/scene/Scene.hpp"
 
@@ -153,12 +153,9 @@ CollapseRun::CollapseRun(const CollapseOptions& options, io::Summary& summary)
 
 /// Touching nodes are those at or below the base.
 void CollapseRun::stand() {
-  const contact::RigidBody<2> base{std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, 1.0}),
-                                   {0.0, m_options.base_height()}};
-  m_simulation.add_condition(std::make_shared<contact::RigidContact<2>>(
-      m_simulation.grid(), m_simulation.walls(), m_simulation.step().point_deposit(), base,
-      contact::ContactOptions{
-          .gap_cells = 0.01, .friction = m_options.friction, .reference_density = m_density}));
+  m_simulation.add_condition(contact_of(
+      m_simulation, ground(m_options.base_height()),
+      {.gap_cells = 0.01, .friction = m_options.friction, .reference_density = m_density}));
 }
 
 void CollapseRun::run() {

@@ -185,7 +185,7 @@ class Discs : public Scene {
                     largest_error = std::max(largest_error, error);
                     speed = closing_speed(measure(simulation));
                     energies = meter.after_step();
-                    if (state.step % std::max<std::int64_t>(1, m_run.history_every) == 0)
+                    if (m_run.row_is_due(state.step))
                       history.row({energies.time, speed, error, energies.kinetic - of_the_centre,
                                    energies.strain, energies.total() - of_the_centre, state.dt_old,
                                    static_cast<double>(state.step)});

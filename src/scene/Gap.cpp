@@ -2,11 +2,11 @@
 
 #include <cmath>
 
-#include "mpm/contact/RigidContact.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/material/LinearElastic.hpp"
 #include "mpm/petsc/Session.hpp"
 #include "mpm/scene/ContactDetection.hpp"
+#include "mpm/scene/RigidContactOf.hpp"
 #include "mpm/scene/RunLoop.hpp"
 #include "mpm/scene/Scene.hpp"
 
@@ -77,14 +77,10 @@ class Gap : public Scene {
 
   std::shared_ptr<contact::RigidContact<2>> make_contact(
       const solver::Simulation<2>& simulation) const {
-    const contact::RigidBody<2> plane{std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, 1.0}),
-                                      {0.0, plane_height()}};
-    auto contact = std::make_shared<contact::RigidContact<2>>(
-        simulation.grid(), simulation.walls(), simulation.step().point_deposit(), plane,
-        contact::ContactOptions{.detection = m_detection,
-                                .gap_cells = m_gap_cells,
-                                .reference_density = m_material.parameters().density});
-    contact->watch(simulation.particles());
+    auto contact = contact_of(simulation, ground(plane_height()),
+                              {.detection = m_detection,
+                               .gap_cells = m_gap_cells,
+                               .reference_density = m_material.parameters().density});
     const double spacing = 0.5 * cell();
     contact->discretise(points_behind_plane(simulation.grid(), spacing), spacing * spacing);
     return contact;

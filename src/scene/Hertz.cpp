@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "mpm/contact/RigidContact.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/material/LinearElastic.hpp"
 #include "mpm/petsc/Session.hpp"
 #include "mpm/scene/ContactDetection.hpp"
+#include "mpm/scene/RigidContactOf.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "mpm/scene/Settling.hpp"
 
@@ -197,14 +197,10 @@ class Hertz : public Scene {
   }
 
   std::shared_ptr<RecordedPlane> make_plane(const solver::Simulation<2>& simulation) const {
-    const contact::RigidBody<2> plane{std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, 1.0}),
-                                      {0.0, plane_height()}};
-    auto contact = std::make_shared<contact::RigidContact<2>>(
-        simulation.grid(), simulation.walls(), simulation.step().point_deposit(), plane,
-        contact::ContactOptions{.detection = m_detection,
-                                .gap_cells = m_gap_cells,
-                                .reference_density = m_material.parameters().density});
-    contact->watch(simulation.particles());
+    auto contact = contact_of(simulation, ground(plane_height()),
+                              {.detection = m_detection,
+                               .gap_cells = m_gap_cells,
+                               .reference_density = m_material.parameters().density});
     contact->discretise(points_behind_plane(), 0.25 * cell() * cell());
     return std::make_shared<RecordedPlane>(simulation.grid(), std::move(contact));
   }

@@ -4,9 +4,9 @@
 #include <numbers>
 #include <optional>
 
-#include "mpm/contact/RigidContact.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/material/LinearElastic.hpp"
+#include "mpm/scene/RigidContactOf.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "mpm/scene/Settling.hpp"
 
@@ -57,16 +57,11 @@ class Incline : public Scene {
   void run(io::Summary& summary) override {
     solver::Simulation<2> simulation(setup());
     if (m_shape == Shape::disc) round_off(simulation);
-    contact::RigidBody<2> plane{std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, 1.0}),
-                                {0.0, plane_height()}};
-    const auto contact = std::make_shared<contact::RigidContact<2>>(
-        simulation.grid(), simulation.walls(), simulation.step().point_deposit(), plane,
-        contact::ContactOptions{.detection = detection(),
-                                .gap_cells = touching_distance,
-                                .friction = m_friction,
-                                .reference_density = m_material.parameters().density});
-    contact->watch(simulation.particles());
-    simulation.add_condition(contact);
+    simulation.add_condition(contact_of(simulation, ground(plane_height()),
+                                        {.detection = detection(),
+                                         .gap_cells = touching_distance,
+                                         .friction = m_friction,
+                                         .reference_density = m_material.parameters().density}));
     RunLoop<2> loop(m_run, simulation);
     rest_on_level_plane(simulation, loop);
     slide(simulation, loop, summary);
@@ -144,7 +139,7 @@ class Incline : public Scene {
                     const auto& state = simulation.state();
                     velocity = simulation.momentum()[0] / mass;
                     slid += velocity * state.dt_old;
-                    if (state.step % std::max<std::int64_t>(1, m_run.history_every) != 0) return;
+                    if (!m_run.row_is_due(state.step)) return;
                     history.row({state.time_in_stage, slid, velocity, state.dt_old,
                                  static_cast<double>(state.step)});
                   },

@@ -53,7 +53,7 @@ class Mms1d : public Scene {
                     const double error = displacement_error(simulation);
                     largest = std::max(largest, error);
                     const auto& state = simulation.state();
-                    if (state.step % std::max<std::int64_t>(1, m_run.history_every) == 0)
+                    if (m_run.row_is_due(state.step))
                       history.row({state.time, error, simulation.kinetic_energy(), state.dt_old,
                                    static_cast<double>(state.step)});
                   },

@@ -13,6 +13,7 @@
 #include "mpm/scene/GeostaticState.hpp"
 #include "mpm/scene/PipeOptions.hpp"
 #include "mpm/scene/Ramp.hpp"
+#include "mpm/scene/RigidContactOf.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "mpm/scene/Settling.hpp"
 
@@ -87,16 +88,14 @@ class PipeRun {
 std::shared_ptr<contact::RigidContact<2>> PipeRun::make_contact() {
   contact::RigidBody<2> pipe{std::make_shared<contact::Ball<2>>(m_options.radius()),
                              {0.0, -m_options.depth()}};
-  auto contact = std::make_shared<contact::RigidContact<2>>(
-      m_simulation.grid(), m_simulation.walls(), m_simulation.step().point_deposit(), pipe,
-      contact::ContactOptions{.detection = m_options.detection,
-                              .normal = m_options.normal,
-                              .gap_cells = m_options.gap_cells,
-                              .friction = m_options.friction_coefficient(),
-                              .reference_density = m_options.density()});
+  auto contact = contact_of(m_simulation, pipe,
+                            {.detection = m_options.detection,
+                             .normal = m_options.normal,
+                             .gap_cells = m_options.gap_cells,
+                             .friction = m_options.friction_coefficient(),
+                             .reference_density = m_options.density()});
   const double spacing = 0.5 * m_options.cell();
   contact->discretise(m_options.points_in_pipe(spacing), spacing * spacing);
-  contact->watch(m_simulation.particles());
   return contact;
 }
 

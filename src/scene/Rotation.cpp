@@ -194,7 +194,7 @@ class Rotation : public Scene {
                     angle_error = angle - omega * state.time;
                     moment_ratio = now.angular_momentum / start.angular_momentum;
                     energies = meter.after_step();
-                    if (state.step % std::max<std::int64_t>(1, m_run.history_every) == 0)
+                    if (m_run.row_is_due(state.step))
                       history.row({energies.time, angle_error, moment_ratio, energies.kinetic,
                                    energies.strain, energies.total(), state.dt_old,
                                    static_cast<double>(state.step)});

@@ -94,10 +94,11 @@ class Stability : public Scene {
     for (const Vector<dim>& place : places<dim>()) {
       solver::Simulation<dim> simulation(free_body_setup<dim>());
       put<dim>(simulation, place);
-      const double limit = limit_of(simulation, lowest);
+      const auto T = solver::one_step_matrices(simulation, scales());
+      const double limit = stable_limit(T, m_stride, lowest);
       if (limit < lowest) worst = place;
       lowest = std::min(lowest, limit);
-      two_over_omega = std::min(two_over_omega, critical_courant(simulation));
+      two_over_omega = std::min(two_over_omega, 2.0 / solver::largest_frequency(T[2]));
     }
     summary.set("limit_free_surface", lowest);
     summary.set("worst_place", std::vector<double>(worst.begin(), worst.end()));
@@ -150,18 +151,7 @@ class Stability : public Scene {
   template <int dim>
   double limit_in_box(grid::Wall wall) const {
     solver::Simulation<dim> simulation(make_setup<dim>(static_cast<int>(m_cells), wall));
-    return limit_of(simulation, search_end);
-  }
-
-  template <int dim>
-  double limit_of(solver::Simulation<dim>& simulation, double end) const {
-    return stable_limit(solver::one_step_matrices(simulation, scales()), m_stride, end);
-  }
-
-  /// 2/omega, the limit of central differences, as a Courant number.
-  template <int dim>
-  double critical_courant(solver::Simulation<dim>& simulation) const {
-    return 2.0 / solver::largest_frequency(solver::one_step_matrices(simulation, scales())[2]);
+    return stable_limit(solver::one_step_matrices(simulation, scales()), m_stride, search_end);
   }
 
   static solver::StateScales scales() {

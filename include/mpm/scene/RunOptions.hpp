@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -36,6 +37,10 @@ struct RunOptions {
 
   /// Time step as a share of h/(c + |v|): as given, or half the limit of the method.
   double courant() const;
+  /// Whether a step has a row of history.csv, in scenes whose own choice is every step.
+  bool row_is_due(std::int64_t step) const {
+    return step % std::max<std::int64_t>(1, history_every) == 0;
+  }
   /// The limit of the method, see solver/StableCourant.hpp.
   double stable_courant() const;
 

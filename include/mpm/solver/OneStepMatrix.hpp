@@ -18,16 +18,16 @@ struct DenseMatrix {
   static std::size_t entries(int n) { return static_cast<std::size_t>(n); }
 };
 
-/// One step as a linear map of the particles' velocities, stresses and, where carried, velocity
-/// gradients, with particles held in place: T(dt) = T0 + dt T1 + dt^2 T2 in a linear elastic body.
-/// Velocities count in units of `speed`, stresses in units of `modulus`, gradients in speed/length.
+/// Units of the state: velocities in `speed`, stresses in `modulus`, gradients in speed/length.
 struct StateScales {
   double speed;    ///< m/s
   double modulus;  ///< Pa
   double length;   ///< m
 };
 
-/// T0, T1, T2 with dt in units of length/speed. The simulation must be at rest, without stress,
+/// One step as a linear map of the particles' velocities, stresses and, where carried, velocity
+/// gradients, with particles held in place: T(dt) = T0 + dt T1 + dt^2 T2 in a linear elastic body,
+/// dt in units of length/speed. The simulation must be at rest, without stress,
 /// gravity and flip_time, and on one rank; it is left so. Collective.
 template <int dim>
 std::array<DenseMatrix, 3> one_step_matrices(Simulation<dim>& simulation,
