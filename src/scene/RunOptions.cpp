@@ -31,6 +31,12 @@ void RunOptions::declare(options::OptionSet& options) {
   options.section("Run");
   options.text("output_dir", output_dir,
                {"", "directory of all results, made if missing", "chosen"});
+  declare_basis(options);
+  declare_step(options);
+  declare_outputs(options);
+}
+
+void RunOptions::declare_basis(options::OptionSet& options) {
   options.choice(
       "basis", basis, basis::kinds(),
       {"",
@@ -44,13 +50,15 @@ void RunOptions::declare(options::OptionSet& options) {
        "splines at the ends of the grid: reflected, or end knots repeated as in the "
        "paper",
        "docs/model.md"});
+}
+
+void RunOptions::declare_step(options::OptionSet& options) {
   options.choice(
       "update", scheme,
       {{"musl", solver::Scheme::musl}, {"usl", solver::Scheme::usl}, {"usf", solver::Scheme::usf}},
       {"",
        "when stress is renewed: last, from velocities mapped anew (musl, the paper) or from those "
-       "of "
-       "the momentum update (usl), or first (usf)",
+       "of the momentum update (usl), or first (usf)",
        "Eqs. 1-9; docs/model.md"});
   options.choice(
       "transfer", transfer,
@@ -79,6 +87,9 @@ void RunOptions::declare(options::OptionSet& options) {
        "docs/methods.md; the paper uses 0.3"});
   options.integer("particles_per_cell_direction", particles_per_cell_direction, {1, 16},
                   {"1", "particles per cell and direction", "paper, section 3.3"});
+}
+
+void RunOptions::declare_outputs(options::OptionSet& options) {
   options.integer(
       "particle_output_every", particle_output_every, {0, 1'000'000'000},
       {"steps", "steps between outputs of particles and grid; 0 leaves it to the scene", "chosen"});

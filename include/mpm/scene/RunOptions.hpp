@@ -55,6 +55,11 @@ struct RunOptions {
     setup.transfer = transfer;
     if (flip_time) setup.flip_time = *flip_time;
   }
+
+ private:
+  void declare_basis(options::OptionSet& options);
+  void declare_step(options::OptionSet& options);
+  void declare_outputs(options::OptionSet& options);
 };
 
 }  // namespace mpm::scene
