@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "mpm/core/Simd.hpp"
 #include "mpm/petsc/Error.hpp"
 
 namespace mpm::grid {
@@ -38,7 +39,8 @@ void create_halo(const Grid<dim>& grid, int components, PetscSF* halo) {
 template <int dim>
 NodalField<dim>::NodalField(const Grid<dim>& grid, std::vector<Component> components)
     : m_grid(grid), m_components(std::move(components)) {
-  const auto size = static_cast<PetscInt>(m_components.size()) * grid.local_size();
+  const auto size =
+      static_cast<PetscInt>(m_components.size()) * grid.local_size() + simd::lanes - 1;
   MPM_PETSC(VecCreateSeq(PETSC_COMM_SELF, size, m_vector.address()));
   MPM_PETSC(VecGetArray(m_vector, &m_values));
   create_halo(grid, this->components(), m_halo.address());

@@ -3,18 +3,25 @@
 #include <cmath>
 
 #include "mpm/basis/Bases.hpp"
+#include "mpm/core/Simd.hpp"
 
 namespace mpm::transfer {
 namespace {
+
+using simd::Pack;
 
 template <int dim>
 void append_vector(std::vector<grid::Component>& components) {
   for (int d = 0; d < dim; ++d) components.push_back({d});
 }
 
+void add(double* to, Pack x) {
+  simd::store(to, simd::load(to) + x);
+}
+
 /// (sigma . g)_i for the stress components that this dimension has.
 template <int dim>
-Vector<dim> product(const SymmetricTensor& s, const Vector<dim>& g) {
+PackVector<dim> product(const SymmetricTensor& s, const PackVector<dim>& g) {
   if constexpr (dim == 1) return {s[0] * g[0]};
   if constexpr (dim == 2) return {s[0] * g[0] + s[3] * g[1], s[3] * g[0] + s[1] * g[1]};
   if constexpr (dim == 3)
@@ -29,13 +36,10 @@ SymmetricTensor stress_of(const particles::ParticleView<dim>& particles, int p) 
   return stress;
 }
 
-/// sum u_I N_I.
-template <int dim, class Basis>
-Vector<dim> interpolate(const Stencil<dim, Basis>& stencil, const std::array<double*, dim>& u) {
-  Vector<dim> sum{};
-  stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>&) {
-    for (int d = 0; d < dim; ++d) sum[d] += u[d][I] * N;
-  });
+template <int dim>
+Vector<dim> sums(const PackVector<dim>& packs) {
+  Vector<dim> sum;
+  for (int d = 0; d < dim; ++d) sum[d] = simd::sum(packs[d]);
   return sum;
 }
 
@@ -84,20 +88,20 @@ void Increments::resize(std::size_t particles, int dim) {
 template <int dim, class Basis>
 void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
                                  Stencil<dim, Basis> stencil, const BodyForce<dim>& body_force,
-                                 const MassMomentumForce<dim>& nodes) {
+                                 MassMomentumForce<dim> nodes) {
   for (int p = 0; p < particles.count; ++p) {
     const double m_p = particles.mass[p];
     const Vector<dim> v_p = particles.velocity_of(p);
     const Vector<dim> b = body_acceleration(particles, body_force, p);
     const SymmetricTensor V_sigma = particles.volume[p] * stress_of(particles, p);
     stencil.move_to(particles.position_of(p));
-    stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>& gradient) {
-      const double m_N = m_p * N;
-      const Vector<dim> f = product<dim>(V_sigma, gradient);
-      nodes.mass[I] += m_N;
+    stencil.for_each_row([&](std::ptrdiff_t I, Pack N, const PackVector<dim>& gradient) {
+      const Pack m_N = m_p * N;
+      const PackVector<dim> f = product<dim>(V_sigma, gradient);
+      add(nodes.mass + I, m_N);
       for (int d = 0; d < dim; ++d) {
-        nodes.momentum[d][I] += m_N * v_p[d];
-        nodes.force[d][I] += m_N * b[d] - f[d];
+        add(nodes.momentum[d] + I, m_N * v_p[d]);
+        add(nodes.force[d] + I, m_N * b[d] - f[d]);
       }
     });
   }
@@ -108,132 +112,186 @@ void deposit_mass(const particles::ParticleView<dim>& particles, Stencil<dim, Ba
                   double* mass) {
   for (int p = 0; p < particles.count; ++p) {
     stencil.move_to(particles.position_of(p));
-    stencil.for_each_node(
-        [&](std::ptrdiff_t I, double N, const Vector<dim>&) { mass[I] += particles.mass[p] * N; });
+    stencil.for_each_row([&](std::ptrdiff_t I, Pack N, const PackVector<dim>&) {
+      add(mass + I, particles.mass[p] * N);
+    });
   }
 }
 
-/// The particle's velocity after Eq. 7, a share of it the grid's own.
-template <int dim, class Basis>
-Vector<dim> updated_velocity(const Vector<dim>& old, const Stencil<dim, Basis>& stencil, double dt,
-                             double flip_share, const VelocityAcceleration<dim>& nodes) {
-  const Vector<dim> a_p = interpolate<dim, Basis>(stencil, nodes.acceleration);
-  Vector<dim> v_p = old;
-  for (int d = 0; d < dim; ++d) v_p[d] += a_p[d] * dt;
-  if (flip_share >= 1.0) return v_p;
-  const Vector<dim> v_grid = interpolate<dim, Basis>(stencil, nodes.velocity);
-  for (int d = 0; d < dim; ++d) v_p[d] = flip_share * v_p[d] + (1.0 - flip_share) * v_grid[d];
-  return v_p;
+namespace {
+
+/// v_p += sum a_I N_Ip dt for one particle after another, then visit(p, v_p), stencil on p.
+template <int dim, class Basis, class Visit>
+[[gnu::always_inline]] inline void for_each_updated_velocity(
+    const particles::ParticleView<dim>& particles, Stencil<dim, Basis>& stencil, double dt,
+    double flip_share, VelocityAcceleration<dim> nodes, const Visit& visit) {
+  const double share_of_grid = 1.0 - flip_share;
+  for (int p = 0; p < particles.count; ++p) {
+    stencil.move_to(particles.position_of(p));
+    PackVector<dim> change{};
+    stencil.for_each_row([&](std::ptrdiff_t I, Pack N, const PackVector<dim>&) {
+      for (int d = 0; d < dim; ++d) change[d] += simd::load(nodes.acceleration[d] + I) * N;
+    });
+    Vector<dim> v_p = particles.velocity_of(p);
+    for (int d = 0; d < dim; ++d) v_p[d] += simd::sum(change[d]) * dt;
+    if (share_of_grid > 0.0) {
+      PackVector<dim> v{};
+      stencil.for_each_row([&](std::ptrdiff_t I, Pack N, const PackVector<dim>&) {
+        for (int d = 0; d < dim; ++d) v[d] += simd::load(nodes.velocity[d] + I) * N;
+      });
+      for (int d = 0; d < dim; ++d) v_p[d] = flip_share * v_p[d] + share_of_grid * simd::sum(v[d]);
+    }
+    for (int d = 0; d < dim; ++d) particles.velocity[d][p] = v_p[d];
+    visit(p, v_p);
+  }
 }
+
+}  // namespace
 
 template <int dim, class Basis>
 void update_velocities(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
-                       double dt, double flip_share, const VelocityAcceleration<dim>& nodes) {
-  for (int p = 0; p < particles.count; ++p) {
-    stencil.move_to(particles.position_of(p));
-    const Vector<dim> v_p =
-        updated_velocity<dim, Basis>(particles.velocity_of(p), stencil, dt, flip_share, nodes);
-    for (int d = 0; d < dim; ++d) particles.velocity[d][p] = v_p[d];
-  }
+                       double dt, double flip_share, VelocityAcceleration<dim> nodes) {
+  for_each_updated_velocity<dim, Basis>(particles, stencil, dt, flip_share, nodes,
+                                        [](int, const Vector<dim>&) {});
 }
 
 template <int dim, class Basis>
 void update_velocities_and_deposit_momentum(const particles::ParticleView<dim>& particles,
                                             Stencil<dim, Basis> stencil, double dt,
-                                            double flip_share,
-                                            const VelocityAcceleration<dim>& nodes,
-                                            const NodalVector<dim>& momentum) {
-  for (int p = 0; p < particles.count; ++p) {
-    stencil.move_to(particles.position_of(p));
-    const Vector<dim> v_p =
-        updated_velocity<dim, Basis>(particles.velocity_of(p), stencil, dt, flip_share, nodes);
-    const double m_p = particles.mass[p];
-    for (int d = 0; d < dim; ++d) particles.velocity[d][p] = v_p[d];
-    stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>&) {
-      for (int d = 0; d < dim; ++d) momentum.value[d][I] += m_p * v_p[d] * N;
-    });
-  }
+                                            double flip_share, VelocityAcceleration<dim> nodes,
+                                            NodalVector<dim> momentum) {
+  for_each_updated_velocity<dim, Basis>(
+      particles, stencil, dt, flip_share, nodes, [&](int p, const Vector<dim>& v_p) {
+        Vector<dim> m_v;
+        for (int d = 0; d < dim; ++d) m_v[d] = particles.mass[p] * v_p[d];
+        stencil.for_each_row([&](std::ptrdiff_t I, Pack N, const PackVector<dim>&) {
+          for (int d = 0; d < dim; ++d) add(momentum.value[d] + I, m_v[d] * N);
+        });
+      });
 }
 
 template <int dim, class Basis>
 void deposit_affine_momentum(const particles::ParticleView<dim>& particles,
-                             Stencil<dim, Basis> stencil,
-                             const std::array<double*, dim>& momentum) {
+                             Stencil<dim, Basis> stencil, std::array<double*, dim> momentum) {
   for (int p = 0; p < particles.count; ++p) {
     std::array<Vector<dim>, dim> m_C;
     for (int i = 0; i < dim; ++i)
       for (int j = 0; j < dim; ++j)
         m_C[i][j] = particles.mass[p] * particles.velocity_gradient[i][j][p];
     stencil.move_to(particles.position_of(p));
-    stencil.for_each_moment([&](std::ptrdiff_t I, double, const Vector<dim>& N_r) {
+    stencil.for_each_moment_row([&](std::ptrdiff_t I, Pack, const PackVector<dim>& N_r) {
       for (int i = 0; i < dim; ++i)
-        for (int j = 0; j < dim; ++j) momentum[i][I] += m_C[i][j] * N_r[j];
+        for (int j = 0; j < dim; ++j) add(momentum[i] + I, m_C[i][j] * N_r[j]);
     });
   }
 }
 
 template <int dim, class Basis>
 void gather_velocity_gradient(const particles::ParticleView<dim>& particles,
-                              Stencil<dim, Basis> stencil,
-                              const std::array<double*, dim>& velocity) {
+                              Stencil<dim, Basis> stencil, std::array<double*, dim> velocity) {
   for (int p = 0; p < particles.count; ++p) {
-    std::array<Vector<dim>, dim> B{};
+    std::array<PackVector<dim>, dim> B{};
     stencil.move_to(particles.position_of(p));
-    stencil.for_each_moment([&](std::ptrdiff_t I, double, const Vector<dim>& N_r) {
+    stencil.for_each_moment_row([&](std::ptrdiff_t I, Pack, const PackVector<dim>& N_r) {
       for (int i = 0; i < dim; ++i)
-        for (int j = 0; j < dim; ++j) B[i][j] += velocity[i][I] * N_r[j];
+        for (int j = 0; j < dim; ++j) B[i][j] += simd::load(velocity[i] + I) * N_r[j];
     });
     for (int j = 0; j < dim; ++j) {
       // Where one node has all the weight there is no gradient to be seen.
       const double D = stencil.second_moment(j);
       const double inverse = D > 0.0 ? 1.0 / D : 0.0;
-      for (int i = 0; i < dim; ++i) particles.velocity_gradient[i][j][p] = B[i][j] * inverse;
+      for (int i = 0; i < dim; ++i)
+        particles.velocity_gradient[i][j][p] = simd::sum(B[i][j]) * inverse;
     }
   }
 }
 
+namespace {
+
+/// Sums over the rows of a stencil, of four particles; sum() gives each particle a lane.
+struct RowSums {
+  std::array<Pack, simd::lanes> of_particle{};
+  Pack sum() const {
+    return simd::sums(of_particle[0], of_particle[1], of_particle[2], of_particle[3]);
+  }
+};
+
+/// Velocity and its gradient at four particles before the last sum.
+template <int dim>
+struct GatheredMotion {
+  std::array<RowSums, dim> v;
+  std::array<std::array<RowSums, dim>, dim> L;  ///< L[i][j] = dv_i/dx_j
+};
+
+/// D dt and W dt of four particles from their velocity gradients.
+template <int dim>
+void store_increments(const GatheredMotion<dim>& motion, double dt, int first, int n,
+                      Increments& increments) {
+  const auto store = [&](std::vector<double>& column, Pack value) {
+    simd::store(column.data() + first, value * dt, n);
+  };
+  std::array<PackVector<dim>, dim> L;
+  for (int i = 0; i < dim; ++i)
+    for (int j = 0; j < dim; ++j) L[i][j] = motion.L[i][j].sum();
+  for (int i = 0; i < dim; ++i) store(increments.strain[i], L[i][i]);
+  if constexpr (dim >= 2) {
+    store(increments.strain[3], 0.5 * (L[0][1] + L[1][0]));
+    store(increments.spin[0], 0.5 * (L[0][1] - L[1][0]));
+  }
+  if constexpr (dim == 3) {
+    store(increments.strain[4], 0.5 * (L[1][2] + L[2][1]));
+    store(increments.strain[5], 0.5 * (L[0][2] + L[2][0]));
+    store(increments.spin[1], 0.5 * (L[1][2] - L[2][1]));
+    store(increments.spin[2], 0.5 * (L[0][2] - L[2][0]));
+  }
+}
+
+}  // namespace
+
 template <int dim, class Basis>
 Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
                                  Stencil<dim, Basis> stencil, const AdvanceTimes& dt,
-                                 const VelocityAcceleration<dim>& nodes,
-                                 const NodalVector<dim>& strain_velocity,
+                                 VelocityAcceleration<dim> nodes, NodalVector<dim> strain_velocity,
                                  const grid::Grid<dim>& grid, Increments& increments) {
   Drift drift;
   increments.resize(static_cast<std::size_t>(particles.count), dim);
   const grid::Box<dim> everywhere = grid.all_cells(), active = grid.active_cells();
-  for (int p = 0; p < particles.count; ++p) {
-    stencil.move_to(particles.position_of(p));
-    Vector<dim> v{};
-    std::array<Vector<dim>, dim> L{};  // L[i][j] = dv_i/dx_j
-    stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>& gradient) {
+  simd::for_each_group(particles.count, [&](int first, int n) {
+    GatheredMotion<dim> motion;
+    std::array<std::array<int, dim>, simd::lanes> old_cell;
+    for (int lane = 0; lane < n; ++lane) {
+      stencil.move_to(particles.position_of(first + lane));
+      old_cell[lane] = stencil.cell();
+      PackVector<dim> v{};
+      std::array<PackVector<dim>, dim> L{};
+      stencil.for_each_row([&](std::ptrdiff_t I, Pack N, const PackVector<dim>& gradient) {
+        for (int i = 0; i < dim; ++i) {
+          v[i] += simd::load(nodes.velocity[i] + I) * N;
+          const Pack u_i = simd::load(strain_velocity.value[i] + I);
+          for (int j = 0; j < dim; ++j) L[i][j] += u_i * gradient[j];
+        }
+      });
       for (int i = 0; i < dim; ++i) {
-        v[i] += nodes.velocity[i][I] * N;
-        for (int j = 0; j < dim; ++j) L[i][j] += strain_velocity.value[i][I] * gradient[j];
+        motion.v[i].of_particle[lane] = v[i];
+        for (int j = 0; j < dim; ++j) motion.L[i][j].of_particle[lane] = L[i][j];
       }
-    });
-    Vector<dim> x = particles.position_of(p);
+    }
     for (int i = 0; i < dim; ++i) {
-      x[i] += v[i] * dt.move;
-      particles.position[i][p] = x[i];
-      particles.displacement[i][p] += v[i] * dt.move;
-      increments.strain[i][p] = L[i][i] * dt.strain;
+      const Pack change = motion.v[i].sum() * dt.move;
+      double *const x = particles.position[i] + first, *const u = particles.displacement[i] + first;
+      simd::store(x, simd::load(x, n) + change, n);
+      simd::store(u, simd::load(u, n) + change, n);
     }
-    if constexpr (dim >= 2) {
-      increments.strain[3][p] = 0.5 * (L[0][1] + L[1][0]) * dt.strain;
-      increments.spin[0][p] = 0.5 * (L[0][1] - L[1][0]) * dt.strain;
-    }
-    if constexpr (dim == 3) {
-      increments.strain[4][p] = 0.5 * (L[1][2] + L[2][1]) * dt.strain;
-      increments.strain[5][p] = 0.5 * (L[0][2] + L[2][0]) * dt.strain;
-      increments.spin[1][p] = 0.5 * (L[1][2] - L[2][1]) * dt.strain;
-      increments.spin[2][p] = 0.5 * (L[0][2] - L[2][0]) * dt.strain;
-    }
-    const auto cell = grid.cell_of(x);
-    if (!active.contains(cell)) {
+    store_increments<dim>(motion, dt.strain, first, n, increments);
+    for (int lane = 0; lane < n; ++lane) {
+      const Vector<dim> x = particles.position_of(first + lane);
+      if (stencil.holds(old_cell[lane], x)) continue;
+      const auto cell = grid.cell_of(x);
+      if (active.contains(cell)) continue;
       drift.must_migrate = true;
-      if (!everywhere.contains(cell)) drift.lost = p;
+      if (!everywhere.contains(cell)) drift.lost = first + lane;
     }
-  }
+  });
   return drift;
 }
 
@@ -256,9 +314,9 @@ void deposit_volume_change(const particles::ParticleView<dim>& particles,
     const double V_p = particles.volume[p];
     const double V_theta = V_p * volume_change<dim>(increments, p);
     stencil.move_to(particles.position_of(p));
-    stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>&) {
-      volume[I] += V_p * N;
-      change[I] += V_theta * N;
+    stencil.for_each_row([&](std::ptrdiff_t I, Pack N, const PackVector<dim>&) {
+      add(volume + I, V_p * N);
+      add(change + I, V_theta * N);
     });
   }
 }
@@ -268,10 +326,12 @@ void replace_volume_change(const particles::ParticleView<dim>& particles,
                            Stencil<dim, Basis> stencil, const double* change,
                            Increments& increments) {
   for (int p = 0; p < particles.count; ++p) {
-    double theta = 0.0;
+    Pack theta_rows{};
     stencil.move_to(particles.position_of(p));
-    stencil.for_each_node(
-        [&](std::ptrdiff_t I, double N, const Vector<dim>&) { theta += change[I] * N; });
+    stencil.for_each_row([&](std::ptrdiff_t I, Pack N, const PackVector<dim>&) {
+      theta_rows += simd::load(change + I) * N;
+    });
+    const double theta = simd::sum(theta_rows);
     // Spread over the directions that deform: plane strain stays plane strain.
     const double correction = (theta - volume_change<dim>(increments, p)) / dim;
     for (int d = 0; d < dim; ++d) increments.strain[d][p] += correction;
@@ -280,43 +340,57 @@ void replace_volume_change(const particles::ParticleView<dim>& particles,
 
 namespace {
 
-using Matrix = std::array<std::array<double, 3>, 3>;
+using Matrix = std::array<std::array<Pack, 3>, 3>;
 
 /// Hughes-Winget rotation of the spin w = (W_xy, W_yz, W_xz) dt: Q = 1 + (W + W^2/2)/(1 + w.w/4)
 /// with W the skew matrix, the closed form of (1 - W/2)^-1 (1 + W/2).
-Matrix rotation(double xy, double yz, double xz) {
-  const Matrix W{{{0.0, xy, xz}, {-xy, 0.0, yz}, {-xz, -yz, 0.0}}};
-  const double factor = 1.0 / (1.0 + 0.25 * (xy * xy + yz * yz + xz * xz));
+Matrix rotation(Pack xy, Pack yz, Pack xz) {
+  const Pack zero{};
+  const Matrix W{{{zero, xy, xz}, {-xy, zero, yz}, {-xz, -yz, zero}}};
+  const Pack factor = 1.0 / (1.0 + 0.25 * (xy * xy + yz * yz + xz * xz));
   Matrix Q;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
-      double square = 0.0;
+      Pack square{};
       for (int k = 0; k < 3; ++k) square += W[i][k] * W[k][j];
       Q[i][j] = (i == j ? 1.0 : 0.0) + factor * (W[i][j] + 0.5 * square);
     }
   return Q;
 }
 
-SymmetricTensor rotate(const Matrix& Q, const SymmetricTensor& s) {
+/// Q s Q^T, components as in SymmetricTensor.
+void rotate(const Matrix& Q, std::array<Pack, 6>& s) {
   const Matrix S{{{s[0], s[3], s[5]}, {s[3], s[1], s[4]}, {s[5], s[4], s[2]}}};
   Matrix QS{}, R{};
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       for (int k = 0; k < 3; ++k) QS[i][j] += Q[i][k] * S[k][j];
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
+    for (int j = i; j < 3; ++j)
       for (int k = 0; k < 3; ++k) R[i][j] += QS[i][k] * Q[j][k];
-  return {{R[0][0], R[1][1], R[2][2], R[0][1], R[1][2], R[0][2]}};
+  s = {R[0][0], R[1][1], R[2][2], R[0][1], R[1][2], R[0][2]};
 }
 
 /// Rotation in the plane: c and s of the angle 2 atan(w/2), exact in the Cayley form.
-void rotate_in_plane(double w, double& xx, double& yy, double& xy) {
-  const double factor = 1.0 / (1.0 + 0.25 * w * w);
-  const double c = (1.0 - 0.25 * w * w) * factor, s = w * factor;  // Q = [c s; -s c]
-  const double a = xx, b = yy, t = xy;
+void rotate_in_plane(Pack w, Pack& xx, Pack& yy, Pack& xy) {
+  const Pack factor = 1.0 / (1.0 + 0.25 * w * w);
+  const Pack c = (1.0 - 0.25 * w * w) * factor, s = w * factor;  // Q = [c s; -s c]
+  const Pack a = xx, b = yy, t = xy;
   xx = c * c * a + 2.0 * c * s * t + s * s * b;
   yy = s * s * a - 2.0 * c * s * t + c * c * b;
   xy = c * s * (b - a) + (c * c - s * s) * t;
+}
+
+/// sqrt(2/3 e':e') with e' the deviator.
+template <int dim>
+Pack deviatoric_strain(const std::array<Pack, tensor_components<dim>>& e, Pack volumetric) {
+  Pack square{};
+  for (int k = 0; k < 3; ++k) {
+    const Pack deviator = e[k] - volumetric / 3.0;
+    square += deviator * deviator;
+  }
+  for (int k = 3; k < tensor_components<dim>; ++k) square += 2.0 * e[k] * e[k];
+  return simd::sqrt(2.0 / 3.0 * square);
 }
 
 }  // namespace
@@ -324,39 +398,43 @@ void rotate_in_plane(double w, double& xx, double& yy, double& xy) {
 template <int dim>
 void rotate_and_expand(const particles::ParticleView<dim>& particles,
                        const Increments& increments) {
-  for (int p = 0; p < particles.count; ++p) {
-    SymmetricTensor e;
-    for (int k = 0; k < tensor_components<dim>; ++k) e[k] = increments.strain[k][p];
-    particles.volume[p] *= std::exp(trace(e));
-    particles.deviatoric_strain[p] += std::sqrt(2.0 / 3.0) * norm(deviator(e));
-    if constexpr (dim == 2)
-      rotate_in_plane(increments.spin[0][p], particles.stress[0][p], particles.stress[1][p],
-                      particles.stress[3][p]);
-    if constexpr (dim == 3) {
-      const Matrix Q =
-          rotation(increments.spin[0][p], increments.spin[1][p], increments.spin[2][p]);
-      const SymmetricTensor rotated = rotate(Q, stress_of(particles, p));
-      for (int k = 0; k < SymmetricTensor::size; ++k) particles.stress[k][p] = rotated[k];
+  simd::for_each_group(particles.count, [&](int first, int n) {
+    constexpr int components = tensor_components<dim>;
+    std::array<Pack, components> e, s;
+    for (int k = 0; k < components; ++k) {
+      e[k] = simd::load(increments.strain[k].data() + first, n);
+      s[k] = simd::load(particles.stress[k] + first, n);
     }
-  }
+    const auto spin = [&](int k) { return simd::load(increments.spin[k].data() + first, n); };
+    if constexpr (dim == 2) rotate_in_plane(spin(0), s[0], s[1], s[3]);
+    if constexpr (dim == 3) rotate(rotation(spin(0), spin(1), spin(2)), s);
+    if constexpr (dim > 1)
+      for (int k = 0; k < components; ++k) simd::store(particles.stress[k] + first, s[k], n);
+
+    const Pack volumetric = e[0] + e[1] + e[2];
+    double* const V = particles.volume + first;
+    simd::store(V, simd::load(V, n) * simd::exp(volumetric), n);
+    double* const accumulated = particles.deviatoric_strain + first;
+    simd::store(accumulated, simd::load(accumulated, n) + deviatoric_strain<dim>(e, volumetric), n);
+  });
 }
 
 #define MPM_INSTANTIATE(dim, Basis)                                                                \
   template void deposit_mass_momentum_force<dim, Basis>(                                           \
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, const BodyForce<dim>&,             \
-      const MassMomentumForce<dim>&);                                                              \
+      MassMomentumForce<dim>);                                                                     \
   template void update_velocities_and_deposit_momentum<dim, Basis>(                                \
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, double, double,                    \
-      const VelocityAcceleration<dim>&, const NodalVector<dim>&);                                  \
+      VelocityAcceleration<dim>, NodalVector<dim>);                                                \
   template void update_velocities<dim, Basis>(const particles::ParticleView<dim>&,                 \
                                               Stencil<dim, Basis>, double, double,                 \
-                                              const VelocityAcceleration<dim>&);                   \
+                                              VelocityAcceleration<dim>);                          \
   template void deposit_mass<dim, Basis>(const particles::ParticleView<dim>&, Stencil<dim, Basis>, \
                                          double*);                                                 \
   template void deposit_affine_momentum<dim, Basis>(                                               \
-      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const std::array<double*, dim>&);  \
+      const particles::ParticleView<dim>&, Stencil<dim, Basis>, std::array<double*, dim>);         \
   template void gather_velocity_gradient<dim, Basis>(                                              \
-      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const std::array<double*, dim>&);  \
+      const particles::ParticleView<dim>&, Stencil<dim, Basis>, std::array<double*, dim>);         \
   template void deposit_volume_change<dim, Basis>(const particles::ParticleView<dim>&,             \
                                                   Stencil<dim, Basis>, const Increments&, double*, \
                                                   double*);                                        \
@@ -364,8 +442,7 @@ void rotate_and_expand(const particles::ParticleView<dim>& particles,
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, const double*, Increments&);       \
   template Drift gather_increments_and_move<dim, Basis>(                                           \
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, const AdvanceTimes&,               \
-      const VelocityAcceleration<dim>&, const NodalVector<dim>&, const grid::Grid<dim>&,           \
-      Increments&);
+      VelocityAcceleration<dim>, NodalVector<dim>, const grid::Grid<dim>&, Increments&);
 #define MPM_INSTANTIATE_FOR_DIMENSION(dim)   \
   template struct MassMomentumForce<dim>;    \
   template struct VelocityAcceleration<dim>; \

@@ -5,8 +5,15 @@
 #include <vector>
 
 #include "mpm/basis/KnotLines.hpp"
+#include "mpm/core/Simd.hpp"
 
 namespace mpm::basis {
+
+/// One number for each function that reaches into a cell; those beyond the support are zero, so
+/// that every basis fills a pack.
+struct alignas(simd::pack_bytes) Values : std::array<double, simd::lanes> {
+  simd::Pack pack() const { return simd::load(data()); }
+};
 
 /// What the splines do at the two ends of a direction.
 enum class EndTreatment {
@@ -36,7 +43,7 @@ class BSpline {
  public:
   static constexpr int order = order_;
   static constexpr int support = order + 1;
-  using Values = std::array<double, support>;
+  using Values = basis::Values;
 
   BSpline(KnotLines lines, EndTreatment ends);
 
@@ -54,16 +61,15 @@ class BSpline {
   void evaluate(int cell, double x, Values& N, Values& dN) const {
     const Cell& piece = m_cells[static_cast<std::size_t>(cell)];
     const double xi = (x - piece.begin) * piece.inverse_width;
-    for (int a = 0; a < support; ++a) {
-      double value = piece.coefficients[order][a];
-      double slope = order * piece.coefficients[order][a];
-      for (int power = order - 1; power >= 1; --power) {
-        value = value * xi + piece.coefficients[power][a];
-        slope = slope * xi + power * piece.coefficients[power][a];
-      }
-      N[a] = value * xi + piece.coefficients[0][a];
-      dN[a] = slope * piece.inverse_width;
+    simd::Pack value = simd::load(piece.coefficients[order].data());
+    simd::Pack slope = double{order} * value;
+    for (int power = order - 1; power >= 1; --power) {
+      const simd::Pack coefficient = simd::load(piece.coefficients[power].data());
+      value = value * xi + coefficient;
+      slope = slope * xi + double(power) * coefficient;
     }
+    simd::store(N.data(), value * xi + simd::load(piece.coefficients[0].data()));
+    simd::store(dN.data(), slope * piece.inverse_width);
   }
 
  private:
@@ -72,7 +78,7 @@ class BSpline {
   struct Cell {
     double begin;
     double inverse_width;
-    std::array<std::array<double, support>, support> coefficients;
+    std::array<Values, support> coefficients;
   };
 
   Cell make_cell(int cell, const std::vector<double>& knots) const;

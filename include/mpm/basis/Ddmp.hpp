@@ -20,7 +20,7 @@ class Ddmp {
  public:
   static constexpr int support = 4;
   static constexpr int order = 1;
-  using Values = std::array<double, support>;
+  using Values = basis::Values;
 
   explicit Ddmp(KnotLines lines);
 

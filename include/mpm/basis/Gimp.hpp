@@ -15,7 +15,7 @@ class Gimp {
  public:
   static constexpr int support = 4;
   static constexpr int order = 1;
-  using Values = std::array<double, support>;
+  using Values = basis::Values;
 
   /// `particles_per_cell` in this direction gives the particle's extent.
   Gimp(KnotLines lines, int particles_per_cell);

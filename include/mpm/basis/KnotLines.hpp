@@ -23,6 +23,10 @@ class KnotLines {
   bool is_uniform() const { return m_uniform; }
   const std::vector<double>& positions() const { return m_positions; }
 
+  /// Whether a cell of the grid holds x; never for NaN. False on the last line, which cell_of
+  /// counts to the last cell.
+  bool cell_holds(int cell, double x) const { return x >= line(cell) && x < line(cell + 1); }
+
   /// The cell that holds x; -1 below the first line, cells() above the last, NaN gives -1.
   int cell_of(double x) const {
     if (!(x >= begin())) return -1;

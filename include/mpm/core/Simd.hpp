@@ -13,10 +13,13 @@
 namespace mpm::simd {
 
 inline constexpr int lanes = 4;
+/// Size of a pack, and the alignment to ask for where packs lie in memory: the compiler's own
+/// depends on the target, and libraries and programs for different targets share structures.
+inline constexpr int pack_bytes = lanes * sizeof(double);
 
-using Pack [[gnu::vector_size(lanes * sizeof(double))]] = double;
+using Pack [[gnu::vector_size(pack_bytes)]] = double;
 /// What a comparison of packs gives: all bits of a lane set where it holds.
-using Mask [[gnu::vector_size(lanes * sizeof(double))]] = std::int64_t;
+using Mask [[gnu::vector_size(pack_bytes)]] = std::int64_t;
 
 inline Pack broadcast(double x) {
   return Pack{x, x, x, x};
@@ -32,18 +35,37 @@ inline void store(double* to, Pack x) {
   std::memcpy(to, &x, sizeof x);
 }
 /// The first `count` lanes, 1 to 4; further ones repeat the last of these.
-inline Pack load_first(const double* from, int count) {
+[[gnu::always_inline]] inline Pack load(const double* from, int count) {
+  if (count == lanes) return load(from);
   Pack x;
   for (int lane = 0; lane < lanes; ++lane) x[lane] = from[lane < count ? lane : count - 1];
   return x;
 }
-inline void store_first(double* to, Pack x, int count) {
+[[gnu::always_inline]] inline void store(double* to, Pack x, int count) {
+  if (count == lanes) return store(to, x);
   for (int lane = 0; lane < count; ++lane) to[lane] = x[lane];
+}
+
+/// visit(first, n) for groups of four, n = 4, and for what is left, n < 4.
+template <class Visit>
+void for_each_group(int count, const Visit& visit) {
+  int first = 0;
+  for (; first + lanes <= count; first += lanes) visit(first, lanes);
+  if (first < count) visit(first, count - first);
 }
 
 /// Order of additions: (0 + 2) + (1 + 3).
 inline double sum(Pack x) {
   return (x[0] + x[2]) + (x[1] + x[3]);
+}
+
+/// The sums of four packs, one in each lane; the same order of additions in all.
+inline Pack sums(Pack a, Pack b, Pack c, Pack d) {
+  const Pack ab =
+      __builtin_shufflevector(a, b, 0, 4, 2, 6) + __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Pack cd =
+      __builtin_shufflevector(c, d, 0, 4, 2, 6) + __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
 }
 
 inline bool any(Mask m) {
@@ -108,7 +130,7 @@ inline Pack from_bits(Mask m) {
 
 /// Within 1 ulp between exp(-708) and exp(709), to which the argument is limited; NaN stays.
 /// x = k ln 2 + r with |r| <= ln(2)/2, and the power series of exp(r).
-inline Pack exp(Pack x) {
+[[gnu::always_inline]] inline Pack exp(Pack x) {
   using namespace detail;
   x = min(max(x, broadcast(-708.0)), broadcast(709.0));
   const Pack shifted = x * 1.4426950408889634 + integer_shift;
@@ -132,7 +154,7 @@ inline double log(double x) {
 
 /// Within 2 ulp for positive normal numbers; NaN elsewhere. x = 2^k m with m around 1, and
 /// log m = 2 atanh((m - 1)/(m + 1)) by its power series.
-inline Pack log(Pack x) {
+[[gnu::always_inline]] inline Pack log(Pack x) {
   using namespace detail;
   constexpr std::int64_t half_root = 0x3fe6a09e667f3bcd;  // bits of sqrt(1/2)
   const Mask k = (bits(x) - half_root) >> 52;

@@ -13,7 +13,8 @@ struct Component {
 };
 
 /// Several components on the nodes of a rank's ghosted box, one x-contiguous slice each, in one
-/// PETSc Vec; sums over and copies to the ghosts go as one message per neighbour.
+/// PETSc Vec; sums over and copies to the ghosts go as one message per neighbour. Behind the last
+/// slice there is room for a pack, so that packs may begin at any node.
 template <int dim>
 class NodalField {
  public:

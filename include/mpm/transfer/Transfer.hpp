@@ -80,7 +80,7 @@ struct Drift {
 template <int dim, class Basis>
 void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
                                  Stencil<dim, Basis> stencil, const BodyForce<dim>& body_force,
-                                 const MassMomentumForce<dim>& nodes);
+                                 MassMomentumForce<dim> nodes);
 
 /// Deposits m_p N_Ip alone, on which dual bases depend. Ghosts are to be summed afterwards.
 template <int dim, class Basis>
@@ -93,28 +93,26 @@ void deposit_mass(const particles::ParticleView<dim>& particles, Stencil<dim, Ba
 template <int dim, class Basis>
 void update_velocities_and_deposit_momentum(const particles::ParticleView<dim>& particles,
                                             Stencil<dim, Basis> stencil, double dt,
-                                            double flip_share,
-                                            const VelocityAcceleration<dim>& nodes,
-                                            const NodalVector<dim>& momentum);
+                                            double flip_share, VelocityAcceleration<dim> nodes,
+                                            NodalVector<dim> momentum);
 
 /// v_p += sum a_I N_Ip dt (Eq. 7) alone.
 template <int dim, class Basis>
 void update_velocities(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
-                       double dt, double flip_share, const VelocityAcceleration<dim>& nodes);
+                       double dt, double flip_share, VelocityAcceleration<dim> nodes);
 
 /// p_I += m_p C_p N_Ip (x_I - x_p), what particles that carry a velocity gradient C deposit besides
 /// m_p v_p N_Ip (APIC; Jiang et al. 2015, ACM Trans. Graph. 34:51). Ghosts are to be summed
 /// afterwards.
 template <int dim, class Basis>
 void deposit_affine_momentum(const particles::ParticleView<dim>& particles,
-                             Stencil<dim, Basis> stencil, const std::array<double*, dim>& momentum);
+                             Stencil<dim, Basis> stencil, std::array<double*, dim> momentum);
 
 /// C_p = sum v_I N_Ip (x_I - x_p) D_p^-1 with D_p = sum N_Ip (x_I - x_p)(x_I - x_p), which is
 /// diagonal because directions separate. Reads ghosts of `velocity`.
 template <int dim, class Basis>
 void gather_velocity_gradient(const particles::ParticleView<dim>& particles,
-                              Stencil<dim, Basis> stencil,
-                              const std::array<double*, dim>& velocity);
+                              Stencil<dim, Basis> stencil, std::array<double*, dim> velocity);
 
 /// Times over which particles are strained and moved, s: the same but where stress comes first.
 struct AdvanceTimes {
@@ -127,8 +125,7 @@ struct AdvanceTimes {
 template <int dim, class Basis>
 Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
                                  Stencil<dim, Basis> stencil, const AdvanceTimes& dt,
-                                 const VelocityAcceleration<dim>& nodes,
-                                 const NodalVector<dim>& strain_velocity,
+                                 VelocityAcceleration<dim> nodes, NodalVector<dim> strain_velocity,
                                  const grid::Grid<dim>& grid, Increments& increments);
 
 /// Deposits V_p N_I and V_p tr(D dt) N_I. Ghosts are to be summed afterwards.
