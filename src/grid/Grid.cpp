@@ -72,7 +72,20 @@ Grid<dim>::Grid(const std::array<basis::NodeLine, dim>& nodes, const partition::
   m_ghosted = ghosted_box_of(process);
   m_owned_cells = cells_of<dim>(m_owned, nodes, 0);
   m_reachable_cells = cells_of<dim>(m_owned, nodes, 1);
+  m_owned_runs = runs_of(m_owned);
   set_active_cells(all_cells());
+}
+
+template <int dim>
+std::vector<Run<dim>> Grid<dim>::runs_of(const Box<dim>& box) const {
+  std::vector<Run<dim>> runs;
+  if (box.size() <= 0) return runs;
+  for (Index node = box.begin;;) {
+    runs.push_back({local_index(node), box.extent(0), node});
+    int d = 1;
+    while (d < dim && ++node[d] == box.end[d]) node[d] = box.begin[d], ++d;
+    if (d >= dim) return runs;
+  }
 }
 
 template <int dim>
@@ -80,10 +93,12 @@ void Grid<dim>::set_active_cells(const Box<dim>& cells) {
   Box<dim> nodes = cells;  // cell c reaches the nodes c to c + support - 1
   for (int d = 0; d < dim; ++d) nodes.end[d] += m_nodes[d].support - 1;
   m_active_cells = intersection(cells, m_reachable_cells);
-  m_active_owned_nodes = intersection(nodes, m_owned);
+  const Box<dim> owned = intersection(nodes, m_owned);
   nodes = intersection(nodes, m_ghosted);
   if (nodes == m_active_nodes) return;
   m_active_nodes = nodes;
+  m_active_runs = runs_of(owned);
+  m_active_local_runs = runs_of(nodes);
   ++m_active_version;
 }
 

@@ -63,8 +63,8 @@ void NodalField<dim>::set_active_to_zero() {
   }
   for (int c = 0; c < components(); ++c) {
     double* const value = values(c);
-    m_grid.for_each_node(m_grid.active_nodes(),
-                         [&](int local, const auto&) { value[local] = 0.0; });
+    for (const Run<dim>& run : m_grid.active_local_runs())
+      std::fill_n(value + run.first, run.count, 0.0);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "mpm/basis/BSpline.hpp"
 #include "mpm/core/Tensor.hpp"
@@ -42,6 +43,14 @@ Box<dim> intersection(const Box<dim>& a, const Box<dim>& b) {
   }
   return box;
 }
+
+/// Nodes that follow each other along the first direction, and so in the local arrays.
+template <int dim>
+struct Run {
+  int first;  ///< position in the local arrays
+  int count;
+  std::array<int, dim> node;  ///< the first one
+};
 
 /// The background grid: a PETSc DMDA of spline nodes, and which nodes and cells are this rank's.
 /// A rank's local arrays cover its ghosted box, first direction fastest.
@@ -104,28 +113,29 @@ class Grid {
   int rank_of_cell(const Index& cell) const;
   long long global_cells() const;
 
+  /// Owned nodes that a step needs.
+  const std::vector<Run<dim>>& active_runs() const { return m_active_runs; }
+  /// All local nodes that a step needs, ghosts too.
+  const std::vector<Run<dim>>& active_local_runs() const { return m_active_local_runs; }
+
   /// Visits the owned nodes in local order: visit(local index, node).
   template <class Visit>
   void for_each_owned_node(const Visit& visit) const {
-    for_each_node(m_owned, visit);
+    for_each_node_of(m_owned_runs, visit);
   }
   /// The same for those that a step needs.
   template <class Visit>
   void for_each_active_node(const Visit& visit) const {
-    for_each_node(m_active_owned_nodes, visit);
+    for_each_node_of(m_active_runs, visit);
+  }
+  /// The same a piece of the local arrays at a time: visit(first local index, count).
+  template <class Visit>
+  void for_each_active_run(const Visit& visit) const {
+    for (const Run<dim>& run : m_active_runs) visit(run.first, run.count);
   }
   template <class Visit>
   void for_each_node(const Box<dim>& box, const Visit& visit) const {
-    if (box.size() <= 0) return;
-    Index node = box.begin;
-    while (true) {
-      int local = local_index(node);
-      for (node[0] = box.begin[0]; node[0] < box.end[0]; ++node[0]) visit(local++, node);
-      node[0] = box.begin[0];
-      int d = 1;
-      while (d < dim && ++node[d] == box.end[d]) node[d] = box.begin[d], ++d;
-      if (d >= dim) return;
-    }
+    for_each_node_of(runs_of(box), visit);
   }
 
   /// Nodes of stencil width beside the owned ones that particles of reachable cells touch.
@@ -138,11 +148,21 @@ class Grid {
   Box<dim> ghosted_box_of(const Index& process) const;
 
  private:
+  template <class Visit>
+  static void for_each_node_of(const std::vector<Run<dim>>& runs, const Visit& visit) {
+    for (const Run<dim>& run : runs) {
+      Index node = run.node;
+      for (int k = 0; k < run.count; ++k, ++node[0]) visit(run.first + k, node);
+    }
+  }
+  std::vector<Run<dim>> runs_of(const Box<dim>& box) const;
+
   std::array<basis::NodeLine, dim> m_nodes;
   partition::Layout<dim> m_layout;
   petsc::DmHandle m_dm;
   Box<dim> m_owned, m_ghosted, m_owned_cells, m_reachable_cells;
-  Box<dim> m_active_cells, m_active_nodes, m_active_owned_nodes;
+  Box<dim> m_active_cells, m_active_nodes;
+  std::vector<Run<dim>> m_owned_runs, m_active_runs, m_active_local_runs;
   int m_active_version = 0;
 };
 
