@@ -200,7 +200,8 @@ Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
                                  const grid::Grid<dim>& grid, Increments& increments) {
   Drift drift;
   increments.resize(static_cast<std::size_t>(particles.count), dim);
-  const grid::Box<dim> everywhere = grid.all_cells(), active = grid.active_cells();
+  const grid::Box<dim> everywhere = grid.all_cells();
+  const grid::CellSet<dim> active = grid.active_cells();
   for (int p = 0; p < particles.count; ++p) {
     stencil.move_to(particles.position_of(p));
     Vector<dim> v{};
