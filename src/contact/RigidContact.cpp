@@ -46,6 +46,14 @@ double cell_volume(const grid::Grid<dim>& grid, const std::array<int, dim>& node
   return volume;
 }
 
+template <int dim>
+double largest_cell_width(const grid::Grid<dim>& grid) {
+  double largest = 0.0;
+  for (int d = 0; d < dim; ++d)
+    largest = std::max(largest, std::ranges::max(grid.nodes(d).cell_width));
+  return largest;
+}
+
 }  // namespace
 
 template <int dim>
@@ -58,7 +66,7 @@ RigidContact<dim>::RigidContact(const grid::Grid<dim>& grid, const grid::Walls<d
       m_body(std::move(body)),
       m_options(options),
       m_rigid_mass(grid, scalar_and_gradient<dim>()),
-      m_active(static_cast<std::size_t>(grid.local_size()), false) {}
+      m_reach(options.gap_cells * largest_cell_width(grid)) {}
 
 template <int dim>
 void RigidContact<dim>::discretise(std::vector<Vector<dim>> points, double volume_of_each) {
@@ -68,10 +76,11 @@ void RigidContact<dim>::discretise(std::vector<Vector<dim>> points, double volum
 
 template <int dim>
 void RigidContact<dim>::begin_step() {
-  std::fill(m_active.begin(), m_active.end(), false);
+  m_acted.clear();
   if (m_options.detection == Detection::velocity || m_options.normal == Normal::gradient)
     deposit_rigid_mass();
   if (m_options.detection == Detection::particle) deposit_votes();
+  find_touching_nodes();
 }
 
 template <int dim>
@@ -106,7 +115,7 @@ template <int dim>
 void RigidContact<dim>::deposit_votes() {
   if (!m_votes)
     m_votes = std::make_unique<grid::NodalField<dim>>(m_grid, scalar_and_gradient<dim>());
-  m_votes->set_to_zero();
+  m_votes->set_active_to_zero();
   m_deposit.deposit(m_touching, 1.0, m_grid.reachable_cells(), *m_votes);
   m_deposit.deposit(m_missing, -1.0, m_grid.reachable_cells(), *m_votes);
   m_votes->sum_to_owners();
@@ -114,25 +123,64 @@ void RigidContact<dim>::deposit_votes() {
 }
 
 template <int dim>
-bool RigidContact<dim>::is_near(const grid::Grid<dim>& grid, const std::array<int, dim>& node,
-                                double distance) const {
+bool RigidContact<dim>::is_near(const std::array<int, dim>& node, double distance) const {
   double cell = 0.0;
   for (int d = 0; d < dim; ++d)
-    cell = std::max(cell, grid.nodes(d).cell_width[static_cast<std::size_t>(node[d])]);
+    cell = std::max(cell, m_grid.nodes(d).cell_width[static_cast<std::size_t>(node[d])]);
   return distance <= m_options.gap_cells * cell;
 }
 
+/// Where the bodies touch does not depend on their motion: once for both mappings of a step.
 template <int dim>
-std::optional<Vector<dim>> RigidContact<dim>::touching(const grid::Grid<dim>& grid, int local,
-                                                       const std::array<int, dim>& node) const {
-  const Proximity<dim> proximity = m_body.locate(grid.position(node));
-  if (m_options.detection != Detection::velocity) {
-    if (!is_near(grid, node, proximity.distance)) return std::nullopt;
-    if (m_votes && m_votes->values(0)[local] <= round_off) return std::nullopt;
-  } else if (m_rigid_mass.values(0)[local] < smallest_mass_share * cell_volume<dim>(grid, node)) {
-    return std::nullopt;
+void RigidContact<dim>::find_touching_nodes() {
+  m_touching_nodes.clear();
+  for (const grid::Run<dim>& run : m_grid.active_runs())
+    if (m_options.detection == Detection::velocity)
+      find_nodes_with_rigid_mass(run);
+    else
+      find_near_nodes(run);
+}
+
+/// Passes over nodes that are too close to a far one to be near.
+template <int dim>
+void RigidContact<dim>::find_near_nodes(const grid::Run<dim>& run) {
+  const double* const x = m_grid.nodes(0).positions.data() + run.node[0];
+  for (int k = 0; k < run.count;) {
+    std::array<int, dim> node = run.node;
+    node[0] += k;
+    const Proximity<dim> proximity = m_body.locate(m_grid.position(node));
+    if (is_near(node, proximity.distance)) add_touching(run.first + k, node, proximity.normal);
+    const double next = x[k++] + (1.0 - round_off) * (proximity.distance - m_reach);
+    while (k < run.count && x[k] < next) ++k;
   }
-  if (m_options.normal == Normal::surface) return proximity.normal;
+}
+
+template <int dim>
+void RigidContact<dim>::find_nodes_with_rigid_mass(const grid::Run<dim>& run) {
+  const double* const rigid_mass = m_rigid_mass.values(0) + run.first;
+  for (int k = 0; k < run.count; ++k) {
+    if (rigid_mass[k] == 0.0) continue;
+    std::array<int, dim> node = run.node;
+    node[0] += k;
+    if (rigid_mass[k] >= smallest_mass_share * cell_volume<dim>(m_grid, node))
+      add_touching(run.first + k, node, m_body.locate(m_grid.position(node)).normal);
+  }
+}
+
+template <int dim>
+void RigidContact<dim>::add_touching(int local, const std::array<int, dim>& node,
+                                     const Vector<dim>& surface_normal) {
+  if (m_votes && m_votes->values(0)[local] <= round_off) return;
+  const auto normal = normal_at(local, surface_normal);
+  if (!normal) return;
+  const double full_cell = m_options.reference_density * cell_volume<dim>(m_grid, node);
+  m_touching_nodes.push_back({local, smallest_mass_share * full_cell, *normal});
+}
+
+template <int dim>
+std::optional<Vector<dim>> RigidContact<dim>::normal_at(int local,
+                                                        const Vector<dim>& surface_normal) const {
+  if (m_options.normal == Normal::surface) return surface_normal;
   Vector<dim> outward;
   for (int d = 0; d < dim; ++d) outward[d] = m_rigid_mass.values(1 + d)[local];
   const double length = std::sqrt(dot<dim>(outward, outward));
@@ -142,27 +190,28 @@ std::optional<Vector<dim>> RigidContact<dim>::touching(const grid::Grid<dim>& gr
 }
 
 template <int dim>
-void RigidContact<dim>::correct(const grid::Grid<dim>& grid, const grid::NodalMotion<dim>& motion) {
-  grid.for_each_active_node([&](int local, const std::array<int, dim>& node) {
-    const double m_I = motion.mass[local];
-    if (m_I == 0.0) return;
-    if (m_I < smallest_mass_share * m_options.reference_density * cell_volume<dim>(grid, node))
-      return;
-    const auto normal = touching(grid, local, node);
-    if (!normal) return;
-    Vector<dim> relative;
-    for (int d = 0; d < dim; ++d)
-      relative[d] = motion.momentum[d][local] / m_I - m_body.velocity[d];
-    if (dot<dim>(relative, *normal) >= 0.0) return;
-    const Vector<dim> change = velocity_change<dim>(relative, *normal, m_options.friction);
-    for (int d = 0; d < dim; ++d) motion.momentum[d][local] += m_I * change[d];
-    if (!motion.is_first_mapping()) return;
-    m_active[static_cast<std::size_t>(local)] = true;
-    for (int d = 0; d < dim; ++d) {
-      motion.force[d][local] += m_I * change[d] / motion.dt;
-      m_impulse[d] -= m_I * change[d];
-    }
-  });
+void RigidContact<dim>::correct(const grid::Grid<dim>&, const grid::NodalMotion<dim>& motion) {
+  for (const TouchingNode& node : m_touching_nodes) {
+    const double m_I = motion.mass[node.local];
+    if (m_I != 0.0 && m_I >= node.smallest_mass) correct(node.local, node.normal, motion);
+  }
+}
+
+template <int dim>
+void RigidContact<dim>::correct(int local, const Vector<dim>& normal,
+                                const grid::NodalMotion<dim>& motion) {
+  const double m_I = motion.mass[local];
+  Vector<dim> relative;
+  for (int d = 0; d < dim; ++d) relative[d] = motion.momentum[d][local] / m_I - m_body.velocity[d];
+  if (dot<dim>(relative, normal) >= 0.0) return;
+  const Vector<dim> change = velocity_change<dim>(relative, normal, m_options.friction);
+  for (int d = 0; d < dim; ++d) motion.momentum[d][local] += m_I * change[d];
+  if (!motion.is_first_mapping()) return;
+  m_acted.push_back(local);
+  for (int d = 0; d < dim; ++d) {
+    motion.force[d][local] += m_I * change[d] / motion.dt;
+    m_impulse[d] -= m_I * change[d];
+  }
 }
 
 template <int dim>

@@ -10,21 +10,19 @@ namespace mpm::grid {
 namespace {
 
 /// A star forest from the ghost nodes of this rank (leaves) to the owners' entries (roots), for
-/// all components at once. The owner's local numbering follows from the layout, so that building
-/// it needs no communication of indices.
+/// all components at once. The owner's local numbering follows from the ownership, so that
+/// building it needs no communication of indices.
 template <int dim>
 void create_halo(const Grid<dim>& grid, int components, PetscSF* halo) {
   std::vector<PetscInt> leaves;
   std::vector<PetscSFNode> roots;
   for (int c = 0; c < components; ++c) {
-    grid.for_each_node(grid.ghosted_nodes(), [&](int local, const std::array<int, dim>& node) {
-      if (grid.owned_nodes().contains(node)) return;
-      std::array<int, dim> process;
-      for (int d = 0; d < dim; ++d) process[d] = grid.layout().process_of(d, node[d]);
-      const Box<dim> box = grid.ghosted_box_of(process);
+    grid.for_each_local_node([&](int local, const std::array<int, dim>& node) {
+      const int owner = grid.rank_of_node(node);
+      if (owner == grid.rank()) return;
+      const Box<dim>& box = grid.ghosted_nodes_of(owner);
       leaves.push_back(c * grid.local_size() + local);
-      roots.push_back(
-          {grid.layout().rank_of(process), c * box.size() + Grid<dim>::index_in(box, node)});
+      roots.push_back({owner, c * box.size() + box.index_of(node)});
     });
   }
   MPM_PETSC(PetscSFCreate(PETSC_COMM_WORLD, halo));
@@ -39,11 +37,8 @@ void create_halo(const Grid<dim>& grid, int components, PetscSF* halo) {
 template <int dim>
 NodalField<dim>::NodalField(const Grid<dim>& grid, std::vector<Component> components)
     : m_grid(grid), m_components(std::move(components)) {
-  const auto size =
-      static_cast<PetscInt>(m_components.size()) * grid.local_size() + simd::lanes - 1;
-  MPM_PETSC(VecCreateSeq(PETSC_COMM_SELF, size, m_vector.address()));
-  MPM_PETSC(VecGetArray(m_vector, &m_values));
-  create_halo(grid, this->components(), m_halo.address());
+  renew_values();
+  halo();
 }
 
 template <int dim>
@@ -52,8 +47,29 @@ NodalField<dim>::~NodalField() {
 }
 
 template <int dim>
+void NodalField<dim>::renew_values() {
+  const auto size =
+      static_cast<PetscInt>(m_components.size()) * m_grid.local_size() + simd::lanes - 1;
+  if (m_values != nullptr) MPM_PETSC(VecRestoreArray(m_vector, &m_values));
+  m_vector.reset();
+  MPM_PETSC(VecCreateSeq(PETSC_COMM_SELF, size, m_vector.address()));
+  MPM_PETSC(VecGetArray(m_vector, &m_values));
+  m_version = m_grid.ownership_version();
+}
+
+template <int dim>
+PetscSF NodalField<dim>::halo() {
+  if (m_halo_version != m_grid.ownership_version()) {
+    m_halo.reset();
+    create_halo(m_grid, components(), m_halo.address());
+    m_halo_version = m_grid.ownership_version();
+  }
+  return m_halo;
+}
+
+template <int dim>
 void NodalField<dim>::set_to_zero() {
-  std::fill_n(m_values, m_components.size() * static_cast<std::size_t>(m_grid.local_size()), 0.0);
+  std::fill_n(values(0), m_components.size() * static_cast<std::size_t>(m_grid.local_size()), 0.0);
 }
 
 template <int dim>
@@ -65,33 +81,33 @@ void NodalField<dim>::set_active_to_zero() {
   }
   for (int c = 0; c < components(); ++c) {
     double* const value = values(c);
-    m_grid.for_each_node(m_grid.active_nodes(),
-                         [&](int local, const auto&) { value[local] = 0.0; });
+    for (const Run<dim>& run : m_grid.active_local_runs())
+      std::fill_n(value + run.first, run.count, 0.0);
   }
 }
 
 template <int dim>
 void NodalField<dim>::sum_to_owners() {
-  MPM_PETSC(PetscSFReduceBegin(m_halo, MPIU_SCALAR, m_values, m_values, MPI_SUM));
-  MPM_PETSC(PetscSFReduceEnd(m_halo, MPIU_SCALAR, m_values, m_values, MPI_SUM));
+  double* const all = values(0);
+  MPM_PETSC(PetscSFReduceBegin(halo(), MPIU_SCALAR, all, all, MPI_SUM));
+  MPM_PETSC(PetscSFReduceEnd(m_halo, MPIU_SCALAR, all, all, MPI_SUM));
 }
 
 template <int dim>
 void NodalField<dim>::copy_to_ghosts() {
-  MPM_PETSC(PetscSFBcastBegin(m_halo, MPIU_SCALAR, m_values, m_values, MPI_REPLACE));
-  MPM_PETSC(PetscSFBcastEnd(m_halo, MPIU_SCALAR, m_values, m_values, MPI_REPLACE));
+  double* const all = values(0);
+  MPM_PETSC(PetscSFBcastBegin(halo(), MPIU_SCALAR, all, all, MPI_REPLACE));
+  MPM_PETSC(PetscSFBcastEnd(m_halo, MPIU_SCALAR, all, all, MPI_REPLACE));
 }
 
 template <int dim>
 petsc::VecHandle NodalField<dim>::global_vector(int c) const {
   petsc::VecHandle vector;
   MPM_PETSC(DMCreateGlobalVector(m_grid.dm(), vector.address()));
-  double* owned = nullptr;
-  MPM_PETSC(VecGetArray(vector, &owned));
-  const double* local = values(c);
-  m_grid.for_each_owned_node([&](int index, const auto&) { *owned++ = local[index]; });
-  owned -= m_grid.owned_nodes().size();
-  MPM_PETSC(VecRestoreArray(vector, &owned));
+  double* entries = nullptr;
+  MPM_PETSC(VecGetArray(vector, &entries));
+  std::ranges::copy(m_grid.to_record(values(c)), entries);
+  MPM_PETSC(VecRestoreArray(vector, &entries));
   return vector;
 }
 

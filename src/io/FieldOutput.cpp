@@ -206,8 +206,8 @@ std::string FieldOutput<dim>::write_grid(const Moment& moment, const grid::Grid<
   Hdf5File::Block block{{1, 1, 1}, {0, 0, 0}, {1, 1, 1}};
   for (int d = 0; d < dim; ++d) {
     block.global[2 - d] = static_cast<hsize_t>(grid.nodes(d).count());
-    block.first[2 - d] = static_cast<hsize_t>(grid.owned_nodes().begin[d]);
-    block.local[2 - d] = static_cast<hsize_t>(grid.owned_nodes().extent(d));
+    block.first[2 - d] = static_cast<hsize_t>(grid.recorded_nodes().begin[d]);
+    block.local[2 - d] = static_cast<hsize_t>(grid.recorded_nodes().extent(d));
   }
   const std::string shape =
       fmt::format("{} {} {}", block.global[0], block.global[1], block.global[2]);
@@ -223,17 +223,18 @@ std::string FieldOutput<dim>::write_grid(const Moment& moment, const grid::Grid<
     xdmf += data_item(std::to_string(line.size()), double_number, name + ":/" + dataset);
   }
   xdmf += "</Geometry>\n";
-  auto write = [&](const std::string& dataset, const auto& value_at) {
-    std::vector<double> values;
-    grid.for_each_owned_node([&](int I, const auto&) { values.push_back(value_at(I)); });
+  auto write = [&](const std::string& dataset, const std::vector<double>& values) {
     file.block(dataset, values, block);
     xdmf += attribute({dataset, "Scalar", double_number, 1}, "Node", shape, name);
   };
-  const double* mass = sums.values(0);
-  write("mass", [&](int I) { return mass[I]; });
-  for (int d = 0; d < dim; ++d)
-    write(fmt::format("velocity_{}", "xyz"[d]),
-          [&](int I) { return mass[I] > 0.0 ? sums.values(1 + d)[I] / mass[I] : 0.0; });
+  const std::vector<double> mass = grid.to_record(sums.values(0));
+  write("mass", mass);
+  for (int d = 0; d < dim; ++d) {
+    std::vector<double> velocity = grid.to_record(sums.values(1 + d));
+    for (std::size_t I = 0; I < mass.size(); ++I)
+      velocity[I] = mass[I] > 0.0 ? velocity[I] / mass[I] : 0.0;
+    write(fmt::format("velocity_{}", "xyz"[d]), velocity);
+  }
   file.close();
   return xdmf + "    </Grid>\n";
 }

@@ -142,12 +142,12 @@ std::vector<std::array<int, dim>> Particles<dim>::cells() const {
 /// Material-major, then row-major cell within this rank's reachable cells.
 template <int dim>
 std::vector<int> Particles<dim>::sort_keys(const ParticleView<dim>& particles) const {
-  const grid::Box<dim>& cells = m_grid.reachable_cells();
+  const grid::Box<dim>& cells = m_grid.reachable_cells().box();
   std::vector<int> keys(static_cast<std::size_t>(particles.count));
   for (int p = 0; p < particles.count; ++p) {
     const auto cell = m_grid.cell_of(particles.position_of(p));
-    keys[static_cast<std::size_t>(p)] = static_cast<int>(particles.material[p]) * cells.size() +
-                                        grid::Grid<dim>::index_in(cells, cell);
+    keys[static_cast<std::size_t>(p)] =
+        static_cast<int>(particles.material[p]) * cells.size() + cells.index_of(cell);
   }
   return keys;
 }
@@ -174,9 +174,21 @@ void Particles<dim>::renew_active_cells() const {
 }
 
 template <int dim>
+partition::CellWork<dim> Particles<dim>::count_in_cells() const {
+  const grid::Box<dim> all = m_grid.all_cells();
+  partition::CellWork<dim> counts{all.end,
+                                  std::vector<double>(static_cast<std::size_t>(all.size()))};
+  for (const auto& cell : cells())
+    if (all.contains(cell)) counts.work[static_cast<std::size_t>(all.index_of(cell))] += 1.0;
+  MPI_Allreduce(MPI_IN_PLACE, counts.work.data(), all.size(), MPI_DOUBLE, MPI_SUM,
+                PETSC_COMM_WORLD);
+  return counts;
+}
+
+template <int dim>
 void Particles<dim>::sort() {
   renew_active_cells();
-  const int keys_per_material = m_grid.reachable_cells().size();
+  const int keys_per_material = m_grid.reachable_cells().box().size();
   const auto materials = static_cast<int>(m_materials.size());
   std::vector<int> order;
   std::vector<int> first(static_cast<std::size_t>(keys_per_material * materials) + 1, 0);

@@ -10,25 +10,14 @@
 namespace mpm::partition {
 namespace {
 
-template <int dim, class Visit>
-void for_each_cell(const std::array<int, dim>& cells, const Visit& visit) {
-  std::array<int, dim> cell{};
-  while (true) {
-    visit(cell);
-    int d = 0;
-    while (d < dim && ++cell[d] == cells[d]) cell[d++] = 0;
-    if (d == dim) return;
-  }
-}
-
 /// Load of each node of a direction: that of the cells it brings to its owner.
 template <int dim>
 std::array<std::vector<double>, dim> marginal_loads(const LayoutRequest<dim>& request) {
   std::array<std::vector<double>, dim> loads;
   for (int d = 0; d < dim; ++d) loads[d].assign(request.nodes[d], 0.0);
-  for_each_cell<dim>(request.cells, [&](const std::array<int, dim>& cell) {
-    const double weight = request.weight(cell);
-    for (int d = 0; d < dim; ++d) loads[d][cell[d] + request.owner_offset] += weight;
+  for_each_cell<dim>(request.work.cells, [&](std::size_t k, const std::array<int, dim>& cell) {
+    for (int d = 0; d < dim; ++d)
+      loads[d][static_cast<std::size_t>(cell[d] + request.owner_offset)] += request.work.work[k];
   });
   return loads;
 }
@@ -83,18 +72,6 @@ int largest_rank_count(const LayoutRequest<dim>& request) {
 }  // namespace
 
 template <int dim>
-double imbalance(const LayoutRequest<dim>& request, const Layout<dim>& layout) {
-  std::vector<double> load(static_cast<std::size_t>(request.ranks), 0.0);
-  for_each_cell<dim>(request.cells, [&](const std::array<int, dim>& cell) {
-    std::array<int, dim> process;
-    for (int d = 0; d < dim; ++d) process[d] = layout.process_of(d, cell[d] + request.owner_offset);
-    load[static_cast<std::size_t>(layout.rank_of(process))] += request.weight(cell);
-  });
-  const double total = std::accumulate(load.begin(), load.end(), 0.0);
-  return total == 0.0 ? 1.0 : *std::max_element(load.begin(), load.end()) * request.ranks / total;
-}
-
-template <int dim>
 Layout<dim> balanced_layout(const LayoutRequest<dim>& request) {
   const auto loads = marginal_loads(request);
   std::optional<Layout<dim>> best;
@@ -103,7 +80,9 @@ Layout<dim> balanced_layout(const LayoutRequest<dim>& request) {
     Layout<dim> layout;
     for (int d = 0; d < dim; ++d)
       layout.starts[d] = cut(loads[d], shape[d], request.smallest_range);
-    const double load = imbalance(request, layout);
+    const double load =
+        imbalance(request.work, ownership_of<dim>(layout, request.work.cells, request.owner_offset),
+                  request.ranks);
     if (best && load >= best_imbalance * (1.0 - 1e-9)) return;
     best = layout;
     best_imbalance = load;
@@ -116,14 +95,36 @@ Layout<dim> balanced_layout(const LayoutRequest<dim>& request) {
   return *best;
 }
 
-template struct Layout<1>;
-template struct Layout<2>;
-template struct Layout<3>;
-template Layout<1> balanced_layout(const LayoutRequest<1>&);
-template Layout<2> balanced_layout(const LayoutRequest<2>&);
-template Layout<3> balanced_layout(const LayoutRequest<3>&);
-template double imbalance(const LayoutRequest<1>&, const Layout<1>&);
-template double imbalance(const LayoutRequest<2>&, const Layout<2>&);
-template double imbalance(const LayoutRequest<3>&, const Layout<3>&);
+template <int dim>
+Layout<dim> uniform_layout(LayoutRequest<dim> request) {
+  std::ranges::fill(request.work.work, 1.0);
+  return balanced_layout(request);
+}
+
+template <int dim>
+Ownership<dim> ownership_of(const Layout<dim>& layout, const std::array<int, dim>& cells,
+                            int owner_offset) {
+  std::array<std::vector<int>, dim> starts;
+  int processes = 1;
+  for (int d = 0; d < dim; ++d) {
+    processes *= layout.processes(d);
+    for (int node : layout.starts[d])
+      starts[d].push_back(std::clamp(node - owner_offset, 0, cells[d]));
+    starts[d].back() = cells[d];
+  }
+  std::vector<int> ranks(static_cast<std::size_t>(processes));
+  std::iota(ranks.begin(), ranks.end(), 0);
+  return {std::move(starts), std::move(ranks)};
+}
+
+#define MPM_INSTANTIATE(dim)                                       \
+  template struct Layout<dim>;                                     \
+  template Layout<dim> balanced_layout(const LayoutRequest<dim>&); \
+  template Layout<dim> uniform_layout(LayoutRequest<dim>);         \
+  template Ownership<dim> ownership_of<dim>(const Layout<dim>&, const std::array<int, dim>&, int)
+MPM_INSTANTIATE(1);
+MPM_INSTANTIATE(2);
+MPM_INSTANTIATE(3);
+#undef MPM_INSTANTIATE
 
 }  // namespace mpm::partition

@@ -66,4 +66,11 @@ long long sum(long long value) {
   return reduce(value, MPI_LONG_LONG, MPI_SUM);
 }
 
+void broadcast(std::vector<int>& values) {
+  auto size = static_cast<int>(values.size());
+  MPI_Bcast(&size, 1, MPI_INT, 0, PETSC_COMM_WORLD);
+  values.resize(static_cast<std::size_t>(size));
+  MPI_Bcast(values.data(), size, MPI_INT, 0, PETSC_COMM_WORLD);
+}
+
 }  // namespace mpm::petsc

@@ -24,19 +24,17 @@ class NodalFooting : public grid::NodalCondition<2> {
   NodalFooting(Base base, double half_width) : m_base(base), m_half_width(half_width) {}
 
   void correct(const grid::Grid<2>& grid, const grid::NodalMotion<2>& motion) override {
-    m_held.assign(static_cast<std::size_t>(grid.local_size()), false);
+    m_held.clear();
     grid.for_each_owned_node([&](int I, const auto& node) {
       const Vector<2> x = grid.position(node);
       if (x[0] < 0.0 || x[0] > m_half_width || x[1] < level - round_off) return;
-      m_held[static_cast<std::size_t>(I)] = true;
+      m_held.push_back(I);
       hold(motion, I, 1, velocity);
       if (m_base == Base::rough) hold(motion, I, 0, 0.0);
     });
   }
 
-  bool acts_on(int local_node) const override {
-    return m_held[static_cast<std::size_t>(local_node)];
-  }
+  std::span<const int> acted_nodes() const override { return m_held; }
 
   /// Upward impulse of the soil on the half footing since the last call, N s/m. Collective.
   double take_impulse() { return petsc::sum(std::exchange(m_impulse, 0.0)); }
@@ -57,7 +55,7 @@ class NodalFooting : public grid::NodalCondition<2> {
 
   Base m_base;
   double m_half_width;
-  std::vector<bool> m_held;
+  std::vector<int> m_held;
   double m_impulse = 0.0;
 };
 

@@ -23,7 +23,7 @@ class RecordedPlane : public grid::NodalCondition<2> {
 
   void prepare_step() override { m_contact->prepare_step(); }
   void begin_step() override { m_contact->begin_step(); }
-  bool acts_on(int local_node) const override { return m_contact->acts_on(local_node); }
+  std::span<const int> acted_nodes() const override { return m_contact->acted_nodes(); }
 
   void correct(const grid::Grid<2>& grid, const grid::NodalMotion<2>& motion) override {
     if (!motion.is_first_mapping()) return m_contact->correct(grid, motion);

@@ -33,6 +33,7 @@ void RunOptions::declare(options::OptionSet& options) {
                {"", "directory of all results, made if missing", "chosen"});
   declare_basis(options);
   declare_step(options);
+  declare_balance(options);
   declare_outputs(options);
 }
 
@@ -87,6 +88,21 @@ void RunOptions::declare_step(options::OptionSet& options) {
        "docs/methods.md; the paper uses 0.3"});
   options.integer("particles_per_cell_direction", particles_per_cell_direction, {1, 16},
                   {"1", "particles per cell and direction", "paper, section 3.3"});
+}
+
+void RunOptions::declare_balance(options::OptionSet& options) {
+  options.choice(
+      "load_balance", balance.method,
+      {{"ranges", solver::LoadBalance::ranges}, {"metis", solver::LoadBalance::metis}},
+      {"",
+       "how cells are shared out over the ranks: ranges in every direction, or blocks of "
+       "cells in parts by METIS; the answer is the same but for rounding",
+       "docs/methods.md"});
+  options.real("rebalance_above", balance.rebalance_above, {.minimum = 0.0, .maximum = 1e6},
+               {"1",
+                "cells are shared out anew where the largest number of particles of a rank is more "
+                "than this many times the mean; 0 never",
+                "chosen"});
 }
 
 void RunOptions::declare_outputs(options::OptionSet& options) {

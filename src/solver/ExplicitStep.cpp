@@ -9,8 +9,41 @@
 namespace mpm::solver {
 namespace {
 
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
 double sign(double value) {
   return value > 0.0 ? 1.0 : (value < 0.0 ? -1.0 : 0.0);
+}
+
+// Loops over a run of nodes. Dividing by infinity, not around a branch, lets them be vectorised.
+
+/// 1/m, and 0 where there is no mass.
+void invert(const double* __restrict mass, int count, double* __restrict inverse) {
+  for (int i = 0; i < count; ++i) inverse[i] = 1.0 / (mass[i] > 0.0 ? mass[i] : infinite);
+}
+
+void add_product(const double* __restrict a, double b, int count, double* __restrict sum) {
+  for (int i = 0; i < count; ++i) sum[i] += a[i] * b;
+}
+
+void multiply(const double* __restrict a, const double* __restrict b, int count,
+              double* __restrict product) {
+  for (int i = 0; i < count; ++i) product[i] = a[i] * b[i];
+}
+
+void scale(const double* __restrict factor, int count, double* __restrict value) {
+  for (int i = 0; i < count; ++i) value[i] *= factor[i];
+}
+
+/// Local damping of force and momentum.
+void damp(double damping, double dt, int count, double* __restrict force,
+          double* __restrict momentum) {
+  for (int i = 0; i < count; ++i) {
+    const double before = momentum[i] - force[i] * dt;
+    const double change = -damping * std::abs(force[i]) * sign(before);
+    force[i] += change;
+    momentum[i] += change * dt;
+  }
 }
 
 }  // namespace
@@ -81,10 +114,11 @@ template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::take_deposited_velocities() {
   const transfer::MassMomentumForce<dim> sums(m_sums);
   const transfer::NodalVector<dim> remapped = remapped_velocity();
-  m_parts.grid.for_each_active_node([&](int I, const auto&) {
-    for (int d = 0; d < dim; ++d) remapped.value[d][I] = sums.momentum[d][I];
+  m_parts.grid.for_each_active_run([&](int I, int count) {
+    for (int d = 0; d < dim; ++d) std::copy_n(sums.momentum[d] + I, count, remapped.value[d] + I);
   });
   m_parts.walls.fold(m_parts.grid, m_sums);
+  invert_mass();
   for (auto* condition : m_parts.conditions) condition->begin_step();
   constrain_remapped_momentum();
   m_remapped.copy_to_ghosts();
@@ -130,8 +164,9 @@ void ExplicitStep<dim, Basis>::average_volume_change(const View& particles) {
   transfer::deposit_volume_change<dim, Basis>(particles, stencil(), m_increments, volume, change);
   field.sum_to_owners();
   m_parts.walls.fold(m_parts.grid, field);
-  m_parts.grid.for_each_active_node(
-      [&](int I, const auto&) { change[I] = volume[I] > 0.0 ? change[I] / volume[I] : 0.0; });
+  m_parts.grid.for_each_active_run([&](int first, int count) {
+    for (int I = first; I < first + count; ++I) change[I] /= volume[I] > 0.0 ? volume[I] : infinite;
+  });
   m_parts.walls.unfold(m_parts.grid, field);
   field.copy_to_ghosts();
   transfer::replace_volume_change<dim, Basis>(particles, stencil(), change, m_increments);
@@ -143,52 +178,68 @@ void ExplicitStep<dim, Basis>::update_momentum(const RunState& state, double dam
   const transfer::MassMomentumForce<dim> sums(m_sums);
   const double dt = state.momentum_dt();
   m_parts.walls.fold(m_parts.grid, m_sums);
-  m_parts.grid.for_each_active_node([&](int I, const auto&) {
-    for (int d = 0; d < dim; ++d) sums.momentum[d][I] += sums.force[d][I] * dt;
+  invert_mass();
+  m_parts.grid.for_each_active_run([&](int I, int count) {
+    for (int d = 0; d < dim; ++d) add_product(sums.force[d] + I, dt, count, sums.momentum[d] + I);
   });
   for (auto* condition : m_parts.conditions) condition->begin_step();
   for (auto* condition : m_parts.conditions)
     condition->correct(m_parts.grid, {sums.mass, sums.momentum, sums.force, dt});
   m_parts.walls.hold(m_parts.grid, m_sums);
-  m_unbalanced_force = 0.0;
-  m_parts.grid.for_each_active_node([&](int I, const auto&) {
-    double square = 0.0;
-    for (int d = 0; d < dim; ++d) square += sums.force[d][I] * sums.force[d][I];
-    m_unbalanced_force += std::sqrt(square);
-  });
+  sum_unbalanced_force();
   if (damping > 0.0) apply_damping(damping, dt);
   compute_velocity_and_acceleration();
   m_rates.copy_to_ghosts();
 }
 
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::invert_mass() {
+  m_inverse_mass.resize(static_cast<std::size_t>(m_parts.grid.local_size()));
+  const double* const mass = m_sums.values(0);
+  m_parts.grid.for_each_active_run(
+      [&](int I, int count) { invert(mass + I, count, m_inverse_mass.data() + I); });
+}
+
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::sum_unbalanced_force() {
+  const transfer::MassMomentumForce<dim> sums(m_sums);
+  double sum = 0.0;
+  m_parts.grid.for_each_active_run([&](int first, int count) {
+    for (int I = first; I < first + count; ++I) {
+      double square = 0.0;
+      for (int d = 0; d < dim; ++d) square += sums.force[d][I] * sums.force[d][I];
+      sum += std::sqrt(square);
+    }
+  });
+  m_unbalanced_force = sum;
+}
+
 /// Local damping of the force that is left after walls and rigid bodies. Nodes in contact are
-/// left out: damping there would show up in the reaction.
+/// put back as they were: damping there would show up in the reaction.
 template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::apply_damping(double damping, double dt) {
   const transfer::MassMomentumForce<dim> sums(m_sums);
-  m_parts.grid.for_each_active_node([&](int I, const auto&) {
-    for (auto* condition : m_parts.conditions)
-      if (condition->acts_on(I)) return;
-    for (int d = 0; d < dim; ++d) {
-      double& f = sums.force[d][I];
-      double& p = sums.momentum[d][I];
-      const double before = p - f * dt;
-      const double change = -damping * std::abs(f) * sign(before);
-      f += change;
-      p += change * dt;
-    }
+  std::vector<std::pair<double*, double>> undamped;
+  for (const auto* condition : m_parts.conditions)
+    for (int I : condition->acted_nodes())
+      for (int d = 0; d < dim; ++d)
+        for (double* value : {sums.force[d] + I, sums.momentum[d] + I})
+          undamped.emplace_back(value, *value);
+  m_parts.grid.for_each_active_run([&](int I, int count) {
+    for (int d = 0; d < dim; ++d) damp(damping, dt, count, sums.force[d] + I, sums.momentum[d] + I);
   });
+  for (const auto& [value, before] : undamped) *value = before;
 }
 
 template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::compute_velocity_and_acceleration() {
   const transfer::MassMomentumForce<dim> sums(m_sums);
   const transfer::VelocityAcceleration<dim> rates(m_rates);
-  m_parts.grid.for_each_active_node([&](int I, const auto&) {
-    const double inverse_mass = sums.mass[I] > 0.0 ? 1.0 / sums.mass[I] : 0.0;
+  m_parts.grid.for_each_active_run([&](int I, int count) {
+    const double* const inverse_mass = m_inverse_mass.data() + I;
     for (int d = 0; d < dim; ++d) {
-      rates.velocity[d][I] = sums.momentum[d][I] * inverse_mass;
-      rates.acceleration[d][I] = sums.force[d][I] * inverse_mass;
+      multiply(sums.momentum[d] + I, inverse_mass, count, rates.velocity[d] + I);
+      multiply(sums.force[d] + I, inverse_mass, count, rates.acceleration[d] + I);
     }
   });
   m_parts.walls.unfold(m_parts.grid, m_rates);
@@ -203,9 +254,8 @@ void ExplicitStep<dim, Basis>::constrain_remapped_momentum() {
   for (auto* condition : m_parts.conditions)
     condition->correct(m_parts.grid, {sums.mass, remapped.value});
   m_parts.walls.hold(m_parts.grid, m_remapped);
-  m_parts.grid.for_each_active_node([&](int I, const auto&) {
-    const double inverse_mass = sums.mass[I] > 0.0 ? 1.0 / sums.mass[I] : 0.0;
-    for (int d = 0; d < dim; ++d) remapped.value[d][I] *= inverse_mass;
+  m_parts.grid.for_each_active_run([&](int I, int count) {
+    for (int d = 0; d < dim; ++d) scale(m_inverse_mass.data() + I, count, remapped.value[d] + I);
   });
   m_parts.walls.unfold(m_parts.grid, m_remapped);
 }

@@ -47,6 +47,8 @@ class ExplicitStep : public Step<dim> {
   }
 
  private:
+  void invert_mass();
+  void sum_unbalanced_force();
   void apply_damping(double damping, double dt);
   void compute_velocity_and_acceleration();
   void constrain_remapped_momentum();
@@ -67,6 +69,7 @@ class ExplicitStep : public Step<dim> {
   std::unique_ptr<grid::NodalField<dim>> m_volume_change;  ///< volume and its change, if averaged
   std::unique_ptr<grid::NodalField<dim>> m_mass;           ///< for dual bases
   transfer::Increments m_increments;
+  std::vector<double> m_inverse_mass;  ///< of the nodes of m_sums; 0 where there is no mass
   double m_unbalanced_force = 0.0;
 };
 

@@ -43,6 +43,18 @@ std::array<basis::NodeLine, dim> node_lines(const SimulationSetup<dim>& setup) {
   });
 }
 
+/// Particles that each cell is to get; the same on all ranks.
+template <int dim>
+partition::CellWork<dim> seed_counts(const SimulationSetup<dim>& setup) {
+  partition::CellWork<dim> counts;
+  for (int d = 0; d < dim; ++d) counts.cells[d] = setup.lines[d].cells();
+  partition::for_each_cell<dim>(counts.cells, [&](std::size_t, const std::array<int, dim>& cell) {
+    counts.work.push_back(static_cast<double>(
+        particles::seeds_of_cell<dim>(setup.lines, cell, setup.filling).size()));
+  });
+  return counts;
+}
+
 template <int dim>
 nlohmann::json to_json(const Vector<dim>& vector) {
   return std::vector<double>(vector.begin(), vector.end());
@@ -52,7 +64,8 @@ nlohmann::json to_json(const Vector<dim>& vector) {
 
 template <int dim>
 Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
-    : m_grid(make_grid(setup)),
+    : m_balance(node_lines(setup), setup.balance),
+      m_grid(make_grid(setup)),
       m_walls(setup.walls),
       m_particles(std::make_unique<particles::Particles<dim>>(
           *m_grid, setup.materials,
@@ -77,35 +90,22 @@ std::unique_ptr<Step<dim>> Simulation<dim>::make_step(const SimulationSetup<dim>
 }
 
 template <int dim>
-std::unique_ptr<grid::Grid<dim>> Simulation<dim>::make_grid(const SimulationSetup<dim>& setup) {
-  const std::array<basis::NodeLine, dim> nodes = node_lines(setup);
-  partition::LayoutRequest<dim> request;
-  for (int d = 0; d < dim; ++d) {
-    request.nodes[d] = nodes[d].count();
-    request.cells[d] = setup.lines[d].cells();
-  }
-  request.owner_offset = nodes[0].owner_offset;
-  request.smallest_range = grid::Grid<dim>::stencil_width(nodes[0]);
-  request.ranks = petsc::world_size();
-  // A cell without particles costs a little too: its node is updated.
-  request.weight = [&](const std::array<int, dim>& cell) {
-    return 0.1 + static_cast<double>(
-                     particles::seeds_of_cell<dim>(setup.lines, cell, setup.filling).size());
-  };
-  return std::make_unique<grid::Grid<dim>>(nodes, partition::balanced_layout(request));
+std::unique_ptr<grid::Grid<dim>> Simulation<dim>::make_grid(
+    const SimulationSetup<dim>& setup) const {
+  const partition::CellWork<dim> particles = seed_counts(setup);
+  auto grid = std::make_unique<grid::Grid<dim>>(node_lines(setup), m_balance.ranges(particles));
+  if (setup.balance.method != LoadBalance::ranges && petsc::world_size() > 1)
+    grid->set_ownership(m_balance.ownership(particles, grid->ownership()));
+  return grid;
 }
 
 template <int dim>
 void Simulation<dim>::seed(const SimulationSetup<dim>& setup) {
   std::vector<particles::Seed<dim>> seeds;
-  const grid::Box<dim>& cells = m_grid->owned_cells();
-  std::array<int, dim> cell = cells.begin;
-  for (int k = 0; k < cells.size(); ++k) {
-    for (int d = 0, rest = k; d < dim; rest /= cells.extent(d), ++d)
-      cell[d] = cells.begin[d] + rest % cells.extent(d);
+  m_grid->owned_cells().for_each([&](const std::array<int, dim>& cell) {
     const auto more = particles::seeds_of_cell<dim>(setup.lines, cell, setup.filling);
     seeds.insert(seeds.end(), more.begin(), more.end());
-  }
+  });
   m_particles->add(seeds);
   if (m_particles->global_count() == 0)
     throw BadInput("no cell of the grid holds a particle: refine the grid or enlarge the body");
@@ -142,8 +142,32 @@ void Simulation<dim>::renew_time_step() {
         fmt::format("the time step collapsed to {} s at step {}", m_state.dt, m_state.step));
 }
 
+/// Before a step, when what the last one left on the nodes has been read.
+template <int dim>
+void Simulation<dim>::rebalance() {
+  constexpr double worth_it = 0.98;  // of the present imbalance
+  if (imbalance() <= m_balance.rebalance_above()) return;
+  const int ranks = petsc::world_size();
+  const partition::CellWork<dim> counts = m_particles->count_in_cells();
+  partition::Ownership<dim> next = m_balance.ownership(counts, m_grid->ownership());
+  if (partition::imbalance(counts, next, ranks) >
+      worth_it * partition::imbalance(counts, m_grid->ownership(), ranks))
+    return;
+  m_grid->set_ownership(std::move(next));
+  migrate();
+  ++m_rebalancings;
+}
+
+template <int dim>
+void Simulation<dim>::migrate() {
+  m_particles->migrate();
+  if (!m_boundary->is_empty()) m_boundary->migrate();
+  m_state.steps_since_sort = 0;
+}
+
 template <int dim>
 void Simulation<dim>::advance() {
+  if (m_balance.is_due(m_state.step)) rebalance();
   if (m_state.dt == 0.0 || m_state.steps_since_renewal >= steps_between_renewals) renew_time_step();
   const double unlimited = m_state.dt;
   m_state.dt = std::min(m_state.dt, m_dt_limit);
@@ -183,9 +207,7 @@ void Simulation<dim>::agree(const StepReport& report) {
     throw NumericalFailure(details["message"].get<std::string>(), text);
   }
   if (all == migration) {
-    m_particles->migrate();
-    if (!m_boundary->is_empty()) m_boundary->migrate();
-    m_state.steps_since_sort = 0;
+    migrate();
   } else if (++m_state.steps_since_sort >= steps_between_sorts) {
     m_particles->sort();
     m_state.steps_since_sort = 0;

@@ -255,7 +255,8 @@ Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
                                  const grid::Grid<dim>& grid, Increments& increments) {
   Drift drift;
   increments.resize(static_cast<std::size_t>(particles.count), dim);
-  const grid::Box<dim> everywhere = grid.all_cells(), active = grid.active_cells();
+  const grid::Box<dim> everywhere = grid.all_cells();
+  const grid::CellSet<dim>& active = grid.active_cells();
   simd::for_each_group(particles.count, [&](int first, int n) {
     GatheredMotion<dim> motion;
     std::array<std::array<int, dim>, simd::lanes> old_cell;

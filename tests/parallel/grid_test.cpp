@@ -13,6 +13,7 @@ namespace {
 
 using basis::KnotLines;
 using partition::LayoutRequest;
+using test::Owners;
 using test::Spline;
 
 template <int dim>
@@ -23,9 +24,12 @@ std::array<KnotLines, dim> lines() {
     return {test::graded_lines(7), KnotLines::uniform(-1.3, 0.9, 4), test::graded_lines(10)};
 }
 
-/// A grid with uneven ownership ranges.
+/// A grid with uneven ownership ranges or scattered blocks.
 template <int dim>
 struct UnevenGrid {
+  explicit UnevenGrid(Owners owners = Owners::uneven_ranges) {
+    test::give_cells_to<dim>(owners, grid, nodes);
+  }
   std::array<Spline, dim> splines = test::splines<dim>(lines<dim>());
   std::array<basis::NodeLine, dim> nodes = test::node_lines<dim>(splines);
   Grid<dim> grid{nodes, test::uneven_layout<dim>(nodes)};
@@ -38,12 +42,27 @@ std::vector<Component> scalar_and_vector() {
   return components;
 }
 
+/// Calls check(owners) for every way to share out the cells, and names it where the check fails.
+template <class Check>
+void for_all_owners(const Check& check) {
+  for (const auto& [word, owners] : {std::pair("uneven ranges", Owners::uneven_ranges),
+                                     std::pair("scattered blocks", Owners::scattered_blocks)}) {
+    SCOPED_TRACE(word);
+    check(owners);
+  }
+}
+
+/// Whether a cell of this rank, or one beside it, reaches the node. Node n is reached by the cells
+/// n - 3 to n.
 template <int dim>
-std::array<int, dim> process_of(int rank, const partition::Layout<dim>& layout) {
-  std::array<int, dim> process;
-  for (int d = 0; d < dim; rank /= layout.processes(d), ++d)
-    process[d] = rank % layout.processes(d);
-  return process;
+bool touches(const Grid<dim>& grid, int rank, const std::array<int, dim>& node) {
+  Box<dim> cells;
+  for (int d = 0; d < dim; ++d) cells.begin[d] = node[d] - 4, cells.end[d] = node[d] + 2;
+  bool found = false;
+  intersection(cells, grid.all_cells()).for_each([&](int, const auto& cell) {
+    found |= grid.rank_of_cell(cell) == rank;
+  });
+  return found;
 }
 
 /// An integer that tells rank, component and node apart.
@@ -57,14 +76,13 @@ double mark(int rank, int component, const std::array<int, dim>& node) {
 template <int dim>
 void fill_with_marks(const Grid<dim>& grid, int rank, NodalField<dim>& field) {
   for (int c = 0; c < field.components(); ++c)
-    grid.for_each_node(grid.ghosted_nodes(), [&](int local, const auto& node) {
-      field.values(c)[local] = mark<dim>(rank, c, node);
-    });
+    grid.for_each_local_node(
+        [&](int local, const auto& node) { field.values(c)[local] = mark<dim>(rank, c, node); });
 }
 
 template <int dim>
-void sums_at_owners_are_those_of_all_ranks() {
-  const UnevenGrid<dim> uneven;
+void sums_at_owners_are_those_of_all_ranks(Owners owners) {
+  const UnevenGrid<dim> uneven(owners);
   const Grid<dim>& grid = uneven.grid;
   NodalField<dim> field(grid, scalar_and_vector<dim>());
   fill_with_marks(grid, test::world_rank(), field);
@@ -73,37 +91,38 @@ void sums_at_owners_are_those_of_all_ranks() {
     grid.for_each_owned_node([&](int local, const auto& node) {
       double serial = 0.0;
       for (int rank = 0; rank < test::world_size(); ++rank)
-        if (grid.ghosted_box_of(process_of<dim>(rank, grid.layout())).contains(node))
-          serial += mark<dim>(rank, c, node);
+        if (touches<dim>(grid, rank, node)) serial += mark<dim>(rank, c, node);
       EXPECT_EQ(field.values(c)[local], serial);
     });
 }
 
 TEST(NodalField, sums_at_owners_are_those_of_all_ranks) {
-  sums_at_owners_are_those_of_all_ranks<1>();
-  sums_at_owners_are_those_of_all_ranks<2>();
-  sums_at_owners_are_those_of_all_ranks<3>();
+  for_all_owners([](Owners owners) {
+    sums_at_owners_are_those_of_all_ranks<1>(owners);
+    sums_at_owners_are_those_of_all_ranks<2>(owners);
+    sums_at_owners_are_those_of_all_ranks<3>(owners);
+  });
 }
 
 template <int dim>
-void ghosts_are_copies_of_what_their_owner_holds() {
-  const UnevenGrid<dim> uneven;
+void ghosts_are_copies_of_what_their_owner_holds(Owners owners) {
+  const UnevenGrid<dim> uneven(owners);
   const Grid<dim>& grid = uneven.grid;
   NodalField<dim> field(grid, scalar_and_vector<dim>());
   fill_with_marks(grid, test::world_rank(), field);
   field.copy_to_ghosts();
   for (int c = 0; c < field.components(); ++c)
-    grid.for_each_node(grid.ghosted_nodes(), [&](int local, const auto& node) {
-      std::array<int, dim> process;
-      for (int d = 0; d < dim; ++d) process[d] = grid.layout().process_of(d, node[d]);
-      EXPECT_EQ(field.values(c)[local], mark<dim>(grid.layout().rank_of(process), c, node));
+    grid.for_each_local_node([&](int local, const auto& node) {
+      EXPECT_EQ(field.values(c)[local], mark<dim>(grid.rank_of_node(node), c, node));
     });
 }
 
 TEST(NodalField, ghosts_are_copies_of_what_their_owner_holds) {
-  ghosts_are_copies_of_what_their_owner_holds<1>();
-  ghosts_are_copies_of_what_their_owner_holds<2>();
-  ghosts_are_copies_of_what_their_owner_holds<3>();
+  for_all_owners([](Owners owners) {
+    ghosts_are_copies_of_what_their_owner_holds<1>(owners);
+    ghosts_are_copies_of_what_their_owner_holds<2>(owners);
+    ghosts_are_copies_of_what_their_owner_holds<3>(owners);
+  });
 }
 
 template <int dim>
@@ -112,10 +131,15 @@ void ownership_is_that_of_the_dmda() {
   const Grid<dim>& grid = uneven.grid;
   std::array<PetscInt, 3> begin{}, size{1, 1, 1};
   DMDAGetCorners(grid.dm(), &begin[0], &begin[1], &begin[2], &size[0], &size[1], &size[2]);
-  for (int d = 0; d < dim; ++d) {
-    EXPECT_EQ(grid.owned_nodes().begin[d], begin[d]);
-    EXPECT_EQ(grid.owned_nodes().end[d], begin[d] + size[d]);
-  }
+  Box<dim> owned;
+  for (int d = 0; d < dim; ++d) owned.begin[d] = begin[d], owned.end[d] = begin[d] + size[d];
+  EXPECT_EQ(grid.recorded_nodes(), owned);
+  int count = 0;
+  grid.for_each_owned_node([&](int, const auto& node) {
+    EXPECT_TRUE(owned.contains(node));
+    ++count;
+  });
+  EXPECT_EQ(count, owned.size());
 }
 
 TEST(Grid, ownership_is_that_of_the_dmda) {
@@ -124,35 +148,95 @@ TEST(Grid, ownership_is_that_of_the_dmda) {
   ownership_is_that_of_the_dmda<3>();
 }
 
-TEST(Grid, every_cell_has_one_owner_that_holds_all_nodes_of_the_cells_around) {
-  const UnevenGrid<2> uneven;
+void every_cell_and_node_has_one_owner(Owners owners) {
+  const UnevenGrid<2> uneven(owners);
   const Grid<2>& grid = uneven.grid;
-  long long cells = 0;
-  for (int j = 0; j < grid.all_cells().end[1]; ++j)
-    for (int i = 0; i < grid.all_cells().end[0]; ++i) {
-      const bool mine = grid.rank_of_cell({i, j}) == test::world_rank();
-      EXPECT_EQ(grid.owned_cells().contains({i, j}), mine);
-      cells += mine;
-      if (!grid.reachable_cells().contains({i, j})) continue;
-      EXPECT_TRUE(grid.ghosted_nodes().contains({i, j}));
-      EXPECT_TRUE(grid.ghosted_nodes().contains({i + 3, j + 3}));
-    }
-  MPI_Allreduce(MPI_IN_PLACE, &cells, 1, MPI_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
+  long long cells = 0, nodes = 0;
+  grid.all_cells().for_each([&](int, const std::array<int, 2>& cell) {
+    const bool mine = grid.rank_of_cell(cell) == test::world_rank();
+    EXPECT_EQ(grid.owned_cells().contains(cell), mine);
+    cells += mine;
+    const Box<2> around{{cell[0] - 1, cell[1] - 1}, {cell[0] + 2, cell[1] + 2}};
+    bool beside = false;
+    intersection(around, grid.all_cells()).for_each([&](int, const auto& other) {
+      beside |= grid.rank_of_cell(other) == test::world_rank();
+    });
+    EXPECT_EQ(grid.reachable_cells().contains(cell), beside);
+    if (!beside) return;
+    EXPECT_TRUE(grid.ghosted_nodes().contains(cell));
+    EXPECT_TRUE(grid.ghosted_nodes().contains({cell[0] + 3, cell[1] + 3}));
+  });
+  grid.for_each_owned_node([&](int local, const auto& node) {
+    EXPECT_EQ(grid.rank_of_node(node), test::world_rank());
+    EXPECT_EQ(local, grid.local_index(node));
+    ++nodes;
+  });
+  for (long long* sum : {&cells, &nodes})
+    MPI_Allreduce(MPI_IN_PLACE, sum, 1, MPI_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
   EXPECT_EQ(cells, grid.global_cells());
+  EXPECT_EQ(nodes, grid.nodes(0).count() * grid.nodes(1).count());
 }
 
-TEST(NodalField, a_component_as_a_global_vector_keeps_its_sum) {
-  const UnevenGrid<3> uneven;
-  NodalField<3> field(uneven.grid, scalar_and_vector<3>());
-  double sum = 0.0;
-  uneven.grid.for_each_owned_node([&](int local, const auto& node) {
-    field.values(2)[local] = mark<3>(0, 2, node);
-    sum += mark<3>(0, 2, node);
+TEST(Grid, every_cell_and_node_has_one_owner_that_holds_all_nodes_of_the_cells_around) {
+  for_all_owners(every_cell_and_node_has_one_owner);
+}
+
+TEST(Grid, active_nodes_are_those_that_active_cells_reach) {
+  for_all_owners([](Owners owners) {
+    UnevenGrid<2> uneven(owners);
+    Grid<2>& grid = uneven.grid;
+    grid.set_active_cells({{2, 3}, {5, 9}});
+    const Box<2> nodes{{2, 3}, {8, 12}};
+    long long active = 0, in_runs = 0;
+    grid.for_each_active_node([&](int local, const auto& node) {
+      EXPECT_TRUE(nodes.contains(node));
+      EXPECT_EQ(local, grid.local_index(node));
+      ++active;
+    });
+    grid.for_each_active_run([&](int, int count) { in_runs += count; });
+    EXPECT_EQ(active, in_runs);
+    MPI_Allreduce(MPI_IN_PLACE, &active, 1, MPI_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
+    EXPECT_EQ(active, nodes.size());
+    EXPECT_FALSE(grid.active_cells().contains({1, 4}));
+    EXPECT_EQ(grid.active_cells().contains({4, 8}), grid.reachable_cells().contains({4, 8}));
   });
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
-  PetscScalar total = 0.0;
-  VecSum(field.global_vector(2), &total);
-  EXPECT_EQ(total, sum);
+}
+
+template <int dim>
+void a_global_vector_has_what_the_owners_hold(Owners owners) {
+  const UnevenGrid<dim> uneven(owners);
+  const Grid<dim>& grid = uneven.grid;
+  NodalField<dim> field(grid, scalar_and_vector<dim>());
+  fill_with_marks(grid, test::world_rank(), field);
+  const petsc::VecHandle vector = field.global_vector(1);
+  const double* entries = nullptr;
+  VecGetArrayRead(vector, &entries);
+  grid.recorded_nodes().for_each([&](int k, const auto& node) {
+    EXPECT_EQ(entries[k], mark<dim>(grid.rank_of_node(node), 1, node));
+  });
+  VecRestoreArrayRead(vector, &entries);
+}
+
+TEST(NodalField, a_component_as_a_global_vector_is_in_the_order_of_the_dmda) {
+  for_all_owners([](Owners owners) {
+    a_global_vector_has_what_the_owners_hold<1>(owners);
+    a_global_vector_has_what_the_owners_hold<2>(owners);
+    a_global_vector_has_what_the_owners_hold<3>(owners);
+  });
+}
+
+TEST(NodalField, starts_anew_when_nodes_get_other_owners) {
+  UnevenGrid<2> uneven;
+  NodalField<2> field(uneven.grid, scalar_and_vector<2>());
+  fill_with_marks(uneven.grid, 3, field);
+  uneven.grid.set_ownership(test::scattered_blocks<2>(uneven.nodes));
+  uneven.grid.for_each_local_node(
+      [&](int local, const auto&) { EXPECT_EQ(field.values(2)[local], 0.0); });
+  fill_with_marks(uneven.grid, test::world_rank(), field);
+  field.copy_to_ghosts();
+  uneven.grid.for_each_local_node([&](int local, const auto& node) {
+    EXPECT_EQ(field.values(2)[local], mark<2>(uneven.grid.rank_of_node(node), 2, node));
+  });
 }
 
 // Walls, against a body with its mirrored twins ---------------------------------------------
@@ -284,8 +368,8 @@ bool is_beyond(const Grid<dim>& grid, const Walls<dim>& walls, const std::array<
 }
 
 template <int dim>
-void walls_act_like_mirrored_twins(const typename Walls<dim>::Kinds& kinds) {
-  const UnevenGrid<dim> uneven;
+void walls_act_like_mirrored_twins(Owners owners, const typename Walls<dim>::Kinds& kinds) {
+  const UnevenGrid<dim> uneven(owners);
   const Grid<dim>& grid = uneven.grid;
   const Walls<dim> walls(kinds);
   const auto loads = loads_in_every_cell<dim>(lines<dim>());
@@ -318,12 +402,17 @@ void walls_act_like_mirrored_twins(const typename Walls<dim>::Kinds& kinds) {
 }
 
 TEST(Walls, act_like_mirrored_twins_at_ends_and_corners) {
-  walls_act_like_mirrored_twins<1>({{{Wall::roller, Wall::free}}});
-  walls_act_like_mirrored_twins<1>({{{Wall::free, Wall::fixed}}});
-  walls_act_like_mirrored_twins<2>({{{Wall::symmetry, Wall::roller}, {Wall::fixed, Wall::free}}});
-  walls_act_like_mirrored_twins<2>({{{Wall::free, Wall::fixed}, {Wall::roller, Wall::fixed}}});
-  walls_act_like_mirrored_twins<3>(
-      {{{Wall::symmetry, Wall::free}, {Wall::roller, Wall::fixed}, {Wall::fixed, Wall::symmetry}}});
+  for_all_owners([](Owners owners) {
+    walls_act_like_mirrored_twins<1>(owners, {{{Wall::roller, Wall::free}}});
+    walls_act_like_mirrored_twins<1>(owners, {{{Wall::free, Wall::fixed}}});
+    walls_act_like_mirrored_twins<2>(owners,
+                                     {{{Wall::symmetry, Wall::roller}, {Wall::fixed, Wall::free}}});
+    walls_act_like_mirrored_twins<2>(owners,
+                                     {{{Wall::free, Wall::fixed}, {Wall::roller, Wall::fixed}}});
+    walls_act_like_mirrored_twins<3>(owners, {{{Wall::symmetry, Wall::free},
+                                               {Wall::roller, Wall::fixed},
+                                               {Wall::fixed, Wall::symmetry}}});
+  });
 }
 
 TEST(Walls, held_components_vanish_on_the_wall_and_others_stay) {
@@ -343,16 +432,28 @@ TEST(Walls, held_components_vanish_on_the_wall_and_others_stay) {
 
 // Layout ----------------------------------------------------------------------------------------
 
-/// Work that grows along y, nine tenths of it in the upper third.
+/// Work that grows along y, nine tenths of it in the upper third of 60 cells.
+partition::CellWork<2> top_heavy_work(const std::array<int, 2>& cells) {
+  partition::CellWork<2> work{cells, {}};
+  partition::for_each_cell<2>(cells, [&](std::size_t, const auto& cell) {
+    work.work.push_back(cell[1] < 40 ? 0.05 : 0.9);
+  });
+  return work;
+}
+
 LayoutRequest<2> top_heavy(int ranks) {
   LayoutRequest<2> request;
   request.nodes = {43, 63};
-  request.cells = {40, 60};
   request.owner_offset = 1;
   request.smallest_range = 3;
   request.ranks = ranks;
-  request.weight = [](const auto& cell) { return cell[1] < 40 ? 0.05 : 0.9; };
+  request.work = top_heavy_work({40, 60});
   return request;
+}
+
+partition::Ownership<2> ownership_of(const LayoutRequest<2>& request,
+                                     const partition::Layout<2>& layout) {
+  return partition::ownership_of<2>(layout, request.work.cells, request.owner_offset);
 }
 
 TEST(Layout, balances_the_work_and_not_the_cells) {
@@ -360,7 +461,8 @@ TEST(Layout, balances_the_work_and_not_the_cells) {
     const auto request = top_heavy(ranks);
     const auto layout = partition::balanced_layout(request);
     EXPECT_EQ(layout.processes(0) * layout.processes(1), ranks);
-    EXPECT_LT(partition::imbalance(request, layout), 1.1) << ranks;
+    EXPECT_LT(partition::imbalance(request.work, ownership_of(request, layout), ranks), 1.1)
+        << ranks;
     for (int d : {0, 1}) {
       EXPECT_EQ(layout.starts[d].front(), 0);
       EXPECT_EQ(layout.starts[d].back(), request.nodes[d]);
@@ -375,20 +477,21 @@ TEST(Layout, imbalance_is_the_largest_load_over_the_mean) {
   partition::Layout<2> halves;
   halves.starts = {{{0, 43}, {0, 31, 63}}};  // 30 rows of cells each
   const double lower = 30 * 0.05, upper = 10 * 0.05 + 20 * 0.9;
-  EXPECT_NEAR(partition::imbalance(request, halves), upper / (0.5 * (lower + upper)), 1e-12);
+  EXPECT_NEAR(partition::imbalance(request.work, ownership_of(request, halves), 2),
+              upper / (0.5 * (lower + upper)), 1e-12);
 }
 
 TEST(Layout, one_direction_is_cut_where_only_it_is_long) {
   auto request = top_heavy(4);
   request.nodes = {5, 63};
-  request.cells = {2, 60};
+  request.work = top_heavy_work({2, 60});
   EXPECT_EQ(partition::balanced_layout(request).processes(1), 4);
 }
 
 TEST(Layout, too_many_ranks_are_refused_with_the_largest_count_that_works) {
   auto request = top_heavy(9);
   request.nodes = {7, 12};  // at most 2 x 4 ranks
-  request.cells = {4, 9};
+  request.work = top_heavy_work({4, 9});
   try {
     partition::balanced_layout(request);
     FAIL() << "nothing was thrown";

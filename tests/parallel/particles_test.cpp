@@ -53,15 +53,12 @@ Filling<dim> full() {
 }
 
 template <int dim>
-std::vector<Seed<dim>> seeds_of(const grid::Box<dim>& cells, const Filling<dim>& filling) {
+std::vector<Seed<dim>> seeds_of(const grid::CellSet<dim>& cells, const Filling<dim>& filling) {
   std::vector<Seed<dim>> seeds;
-  for (int k = 0; k < cells.size(); ++k) {
-    std::array<int, dim> cell;
-    for (int d = 0, rest = k; d < dim; rest /= cells.extent(d), ++d)
-      cell[d] = cells.begin[d] + rest % cells.extent(d);
+  cells.for_each([&](const auto& cell) {
     const auto more = seeds_of_cell<dim>(lines<dim>(), cell, filling);
     seeds.insert(seeds.end(), more.begin(), more.end());
-  }
+  });
   return seeds;
 }
 
@@ -234,8 +231,7 @@ void sorting_keeps_the_set_and_orders_by_material_then_cell() {
   const auto view = particles.view();
   auto key = [&](int p) {
     const auto cell = swarm.grid.cell_of(view.position_of(p));
-    return std::pair(view.material[p],
-                     grid::Grid<dim>::index_in(swarm.grid.reachable_cells(), cell));
+    return std::pair(view.material[p], swarm.grid.reachable_cells().box().index_of(cell));
   };
   for (int p = 1; p < view.count; ++p) EXPECT_LE(key(p - 1), key(p));
   for (int material : {0, 1}) {

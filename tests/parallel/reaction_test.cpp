@@ -16,7 +16,7 @@ class Exaggerated : public grid::NodalCondition<2> {
       : m_contact(std::move(contact)), m_factor(factor) {}
 
   void begin_step() override { m_contact->begin_step(); }
-  bool acts_on(int node) const override { return m_contact->acts_on(node); }
+  std::span<const int> acted_nodes() const override { return m_contact->acted_nodes(); }
   void correct(const grid::Grid<2>& grid, const grid::NodalMotion<2>& motion) override {
     std::vector<double> before;
     const auto visit = [&](const auto& act) {

@@ -52,4 +52,31 @@ partition::Layout<dim> uneven_layout(const std::array<basis::NodeLine, dim>& nod
   return layout;
 }
 
+/// Blocks of two cells per direction, the last of them larger where a cell is left over, dealt out
+/// to the ranks so that neighbours are often another's.
+template <int dim>
+partition::Ownership<dim> scattered_blocks(const std::array<basis::NodeLine, dim>& nodes) {
+  std::array<std::vector<int>, dim> starts;
+  std::size_t count = 1;
+  for (int d = 0; d < dim; ++d) {
+    const int cells = nodes[d].lines.cells();
+    for (int cell = 0; cell == 0 || cell + 2 <= cells; cell += 2) starts[d].push_back(cell);
+    starts[d].push_back(cells);
+    count *= starts[d].size() - 1;
+  }
+  std::vector<int> ranks;
+  for (std::size_t k = 0; k < count; ++k)
+    ranks.push_back(static_cast<int>((3 * k + k * k / 4) % static_cast<std::size_t>(world_size())));
+  return {std::move(starts), std::move(ranks)};
+}
+
+/// Who owns the cells of a grid.
+enum class Owners { uneven_ranges, scattered_blocks };
+
+template <int dim>
+void give_cells_to(Owners owners, grid::Grid<dim>& grid,
+                   const std::array<basis::NodeLine, dim>& nodes) {
+  if (owners == Owners::scattered_blocks) grid.set_ownership(scattered_blocks<dim>(nodes));
+}
+
 }  // namespace mpm::test

@@ -71,9 +71,7 @@ class RigidContact : public grid::NodalCondition<dim> {
   void prepare_step() override;
   void begin_step() override;
   void correct(const grid::Grid<dim>& grid, const grid::NodalMotion<dim>& motion) override;
-  bool acts_on(int local_node) const override {
-    return m_active[static_cast<std::size_t>(local_node)];
-  }
+  std::span<const int> acted_nodes() const override { return m_acted; }
 
   /// Impulse of the deformable body on the rigid one since the last call, N s (per metre in plane
   /// strain), this rank's share.
@@ -82,11 +80,21 @@ class RigidContact : public grid::NodalCondition<dim> {
  private:
   void deposit_rigid_mass();
   void deposit_votes();
-  bool is_near(const grid::Grid<dim>& grid, const std::array<int, dim>& node,
-               double distance) const;
-  /// The normal if the bodies touch at this node.
-  std::optional<Vector<dim>> touching(const grid::Grid<dim>& grid, int local,
-                                      const std::array<int, dim>& node) const;
+  bool is_near(const std::array<int, dim>& node, double distance) const;
+  void find_touching_nodes();
+  void find_near_nodes(const grid::Run<dim>& run);
+  void find_nodes_with_rigid_mass(const grid::Run<dim>& run);
+  /// Takes the node as one where the bodies touch, unless it has no normal.
+  void add_touching(int local, const std::array<int, dim>& node, const Vector<dim>& surface_normal);
+  std::optional<Vector<dim>> normal_at(int local, const Vector<dim>& surface_normal) const;
+  void correct(int local, const Vector<dim>& normal, const grid::NodalMotion<dim>& motion);
+
+  /// A node where the bodies touch if they close in on each other.
+  struct TouchingNode {
+    int local;
+    double smallest_mass;  ///< of the deformable body, to take part, kg
+    Vector<dim> normal;
+  };
 
   const grid::Grid<dim>& m_grid;
   const grid::Walls<dim>& m_walls;
@@ -99,7 +107,9 @@ class RigidContact : public grid::NodalCondition<dim> {
   const particles::Particles<dim>* m_particles = nullptr;
   std::vector<Vector<dim>> m_touching, m_missing;  ///< particles beside the surface
   std::unique_ptr<grid::NodalField<dim>> m_votes;  ///< positive where most particles touch
-  std::vector<bool> m_active;
+  double m_reach;                                  ///< largest distance of a near node, m
+  std::vector<TouchingNode> m_touching_nodes;      ///< of the present step
+  std::vector<int> m_acted;
   Vector<dim> m_impulse{};
 };
 

@@ -9,7 +9,7 @@ namespace mpm::contact {
 /// Where a point lies relative to a rigid surface.
 template <int dim>
 struct Proximity {
-  double distance;     ///< m, negative inside the rigid body
+  double distance;     ///< m, negative inside; changes by no more than the way between two points
   Vector<dim> normal;  ///< unit, out of the rigid body
 };
 

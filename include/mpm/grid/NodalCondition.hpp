@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <span>
 
 #include "mpm/grid/Grid.hpp"
 
@@ -31,8 +33,11 @@ class NodalCondition {
   virtual void begin_step() {}
   /// Corrects momentum, and force where there is one, of owned nodes. Local.
   virtual void correct(const Grid<dim>& grid, const NodalMotion<dim>& motion) = 0;
-  /// Whether the last correction acted on a node; such nodes are not damped.
-  virtual bool acts_on(int /*local_node*/) const { return false; }
+  /// Local nodes on which the last correction acted; these are not damped.
+  virtual std::span<const int> acted_nodes() const { return {}; }
+  bool acts_on(int local_node) const {
+    return std::ranges::find(acted_nodes(), local_node) != acted_nodes().end();
+  }
 };
 
 }  // namespace mpm::grid

@@ -14,7 +14,8 @@ struct Component {
 
 /// Several components on the nodes of a rank's ghosted box, one x-contiguous slice each, in one
 /// PETSc Vec; sums over and copies to the ghosts go as one message per neighbour. Behind the last
-/// slice there is room for a pack, so that packs may begin at any node.
+/// slice there is room for a pack, so that packs may begin at any node. Once cells and nodes have
+/// got other owners the field is zero: pointers to its values have to be asked for anew.
 template <int dim>
 class NodalField {
  public:
@@ -26,7 +27,10 @@ class NodalField {
 
   int components() const { return static_cast<int>(m_components.size()); }
   Component component(int c) const { return m_components[static_cast<std::size_t>(c)]; }
-  double* values(int c) { return m_values + static_cast<std::ptrdiff_t>(c) * m_grid.local_size(); }
+  double* values(int c) {
+    if (m_version != m_grid.ownership_version()) renew_values();
+    return m_values + static_cast<std::ptrdiff_t>(c) * m_grid.local_size();
+  }
   const double* values(int c) const { return const_cast<NodalField*>(this)->values(c); }
 
   void set_to_zero();
@@ -38,15 +42,21 @@ class NodalField {
   /// Refreshes this rank's copies of nodes of others. Collective.
   void copy_to_ghosts();
 
-  /// The owned part of one component as a global Vec of the DMDA. Collective.
+  /// What the owners hold of one component, as a global Vec of the DMDA. Collective.
   petsc::VecHandle global_vector(int c) const;
 
  private:
+  void renew_values();
+  /// Collective.
+  PetscSF halo();
+
   const Grid<dim>& m_grid;
   std::vector<Component> m_components;
   petsc::VecHandle m_vector;
   double* m_values = nullptr;
   petsc::StarForestHandle m_halo;
+  int m_version = -1;         ///< of the ownership that the values are laid out for
+  int m_halo_version = -1;    ///< of the ownership that the halo connects
   int m_zeroed_version = -1;  ///< of the grid's active nodes when all was last zero
 };
 

@@ -103,6 +103,9 @@ class Particles {
   /// Views of one material's stress and state; the strain increments are left to the caller.
   material::Batch batch_of(const ParticleView<dim>& view, int material) const;
 
+  /// Particles of all ranks in every cell of the grid. Collective.
+  partition::CellWork<dim> count_in_cells() const;
+
   int local_count() const { return m_swarm.local_count(); }
   long long global_count() const { return m_swarm.global_count(); }
   const Materials& materials() const { return m_materials; }

@@ -39,4 +39,7 @@ double minimum(double value);
 double maximum(double value);
 long long sum(long long value);
 
+/// Makes the numbers of the first rank those of all. Collective.
+void broadcast(std::vector<int>& values);
+
 }  // namespace mpm::petsc

@@ -26,6 +26,7 @@ struct RunOptions {
   double largest_courant = 2.0;
   std::optional<double> given_courant;
   std::int64_t particles_per_cell_direction = 2;
+  solver::BalanceOptions balance;
   std::int64_t particle_output_every = 0;
   std::vector<double> particle_output_times;
   std::int64_t history_every = 0;
@@ -53,12 +54,14 @@ struct RunOptions {
     setup.courant = courant();
     setup.averages_volume = averages_volume;
     setup.transfer = transfer;
+    setup.balance = balance;
     if (flip_time) setup.flip_time = *flip_time;
   }
 
  private:
   void declare_basis(options::OptionSet& options);
   void declare_step(options::OptionSet& options);
+  void declare_balance(options::OptionSet& options);
   void declare_outputs(options::OptionSet& options);
 };
 

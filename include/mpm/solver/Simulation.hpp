@@ -12,6 +12,7 @@
 #include "mpm/particles/BoundaryParticles.hpp"
 #include "mpm/particles/Particles.hpp"
 #include "mpm/particles/Seeding.hpp"
+#include "mpm/solver/Balance.hpp"
 #include "mpm/solver/RunState.hpp"
 #include "mpm/solver/Step.hpp"
 
@@ -33,6 +34,7 @@ struct SimulationSetup {
   Transfer transfer = Transfer::flip;
   double flip_time = std::numeric_limits<double>::infinity();  ///< s, see StepOptions
   bool averages_volume = false;                                ///< see StepOptions
+  BalanceOptions balance;
 };
 
 /// Grid, particles and step of one run, and the clock that drives them.
@@ -42,7 +44,8 @@ class Simulation {
   /// Lays out the grid over the ranks, seeds the particles. Collective.
   explicit Simulation(const SimulationSetup<dim>& setup);
 
-  /// Advances by one step: renews dt when due, keeps particles sorted and on their ranks. Throws
+  /// Advances by one step: renews dt and the balance of the ranks when due, keeps particles sorted
+  /// and on their ranks. Throws
   /// NumericalFailure on all ranks if a particle left the grid or a stress is not finite, naming
   /// the particle. Collective.
   void advance();
@@ -87,15 +90,20 @@ class Simulation {
   double total_mass() const;
   /// Largest over mean number of particles of a rank. Collective.
   double imbalance() const;
+  /// How often cells have got new owners since the start.
+  int rebalancings() const { return m_rebalancings; }
 
  private:
-  static std::unique_ptr<grid::Grid<dim>> make_grid(const SimulationSetup<dim>& setup);
+  std::unique_ptr<grid::Grid<dim>> make_grid(const SimulationSetup<dim>& setup) const;
   std::unique_ptr<Step<dim>> make_step(const SimulationSetup<dim>& setup);
   void seed(const SimulationSetup<dim>& setup);
+  void rebalance();
+  void migrate();
   void renew_time_step();
   void agree(const StepReport& report);
   std::string describe(int particle) const;
 
+  Balance<dim> m_balance;
   std::unique_ptr<grid::Grid<dim>> m_grid;
   grid::Walls<dim> m_walls;
   std::unique_ptr<particles::Particles<dim>> m_particles;
@@ -107,6 +115,7 @@ class Simulation {
   double m_courant;
   double m_dt_limit;
   RunState m_state;
+  int m_rebalancings = 0;
 };
 
 extern template class Simulation<1>;

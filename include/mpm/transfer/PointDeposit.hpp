@@ -16,7 +16,7 @@ class PointDeposit {
   /// Adds weight N_I(x) to the first component of the field and weight grad N_I(x) to the others,
   /// for the points in `cells`, which this rank must reach. Local.
   virtual void deposit(std::span<const Vector<dim>> points, double weight,
-                       const grid::Box<dim>& cells, grid::NodalField<dim>& field) const = 0;
+                       const grid::CellSet<dim>& cells, grid::NodalField<dim>& field) const = 0;
 };
 
 template <int dim, class Basis>
@@ -25,7 +25,7 @@ class BasisDeposit : public PointDeposit<dim> {
   BasisDeposit(const grid::Grid<dim>& grid, const std::array<Basis, dim>& bases)
       : m_grid(grid), m_bases(bases) {}
 
-  void deposit(std::span<const Vector<dim>> points, double weight, const grid::Box<dim>& cells,
+  void deposit(std::span<const Vector<dim>> points, double weight, const grid::CellSet<dim>& cells,
                grid::NodalField<dim>& field) const override {
     Stencil<dim, Basis> stencil(m_grid, m_bases);
     for (const Vector<dim>& x : points) {

@@ -1,0 +1,70 @@
+#include "mpm/solver/Balance.hpp"
+
+#include "mpm/grid/Grid.hpp"
+#include "mpm/partition/MetisBlocks.hpp"
+#include "mpm/petsc/Session.hpp"
+
+namespace mpm::solver {
+namespace {
+
+/// A cell without particles costs a little too: its node is updated.
+constexpr double work_of_empty_cell = 0.1;  // of a particle's
+
+template <int dim>
+partition::CellWork<dim> work_of(partition::CellWork<dim> particles) {
+  for (double& work : particles.work) work += work_of_empty_cell;
+  return particles;
+}
+
+/// What METIS says on the first rank holds on all.
+template <int dim>
+partition::Ownership<dim> common_blocks(const partition::CellWork<dim>& work,
+                                        const partition::Ownership<dim>& previous) {
+  std::array<std::vector<int>, dim> starts;
+  std::vector<int> ranks;
+  if (petsc::is_root()) {
+    const auto blocks = partition::metis_blocks(work, petsc::world_size(), previous);
+    for (int d = 0; d < dim; ++d) starts[d] = blocks.starts(d);
+    ranks = blocks.ranks();
+  }
+  for (auto& line : starts) petsc::broadcast(line);
+  petsc::broadcast(ranks);
+  return {std::move(starts), std::move(ranks)};
+}
+
+}  // namespace
+
+template <int dim>
+Balance<dim>::Balance(const std::array<basis::NodeLine, dim>& nodes, const BalanceOptions& options)
+    : m_options(options) {
+  for (int d = 0; d < dim; ++d) m_request.nodes[d] = nodes[d].count();
+  m_request.owner_offset = nodes[0].owner_offset;
+  m_request.smallest_range = grid::Grid<dim>::stencil_width(nodes[0]);
+  m_request.ranks = petsc::world_size();
+}
+
+template <int dim>
+partition::Layout<dim> Balance<dim>::ranges(const partition::CellWork<dim>& particles) const {
+  partition::LayoutRequest<dim> request = m_request;
+  request.work = work_of(particles);
+  return partition::balanced_layout(request);
+}
+
+template <int dim>
+partition::Ownership<dim> Balance<dim>::ownership(const partition::CellWork<dim>& particles,
+                                                  const partition::Ownership<dim>& previous) const {
+  if (m_options.method == LoadBalance::metis) return common_blocks(work_of(particles), previous);
+  return partition::ownership_of<dim>(ranges(particles), particles.cells, m_request.owner_offset);
+}
+
+template <int dim>
+bool Balance<dim>::is_due(long long step) const {
+  return m_request.ranks > 1 && m_options.rebalance_above > 0.0 && step > 0 &&
+         step % m_options.steps_between_checks == 0;
+}
+
+template class Balance<1>;
+template class Balance<2>;
+template class Balance<3>;
+
+}  // namespace mpm::solver
