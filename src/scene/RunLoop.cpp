@@ -102,6 +102,7 @@ void RunLoop<dim>::summarise(io::Summary& summary) const {
   summary.set("particles", m_simulation.particles().global_count());
   summary.set("particles_lost", 0);  // a lost particle stops the run
   summary.set("load_max_over_mean", m_simulation.imbalance());
+  summary.set("rebalancings", m_simulation.rebalancings());
   summary.set("steps", state.step);
   summary.set("simulated_time_s", state.time);
   summary.set("step_loop_s", seconds);

@@ -97,7 +97,7 @@ void RunOptions::declare_balance(options::OptionSet& options) {
       {"",
        "how cells are shared out over the ranks: ranges in every direction, or blocks of "
        "cells in parts by METIS; the answer is the same but for rounding",
-       "docs/methods.md"});
+       "docs/performance.md"});
   options.real("rebalance_above", balance.rebalance_above, {.minimum = 0.0, .maximum = 1e6},
                {"1",
                 "cells are shared out anew where the largest number of particles of a rank is more "

@@ -7,12 +7,13 @@
 namespace mpm::solver {
 namespace {
 
-/// A cell without particles costs a little too: its node is updated.
-constexpr double work_of_empty_cell = 0.1;  // of a particle's
+/// Work of a cell without particles, of a particle's. Its node may be updated, and ranges are to be
+/// of some length where nothing is; METIS only needs to know that no block is free.
+constexpr double empty_cell_of_ranges = 0.1, empty_cell_of_metis = 0.01;
 
 template <int dim>
-partition::CellWork<dim> work_of(partition::CellWork<dim> particles) {
-  for (double& work : particles.work) work += work_of_empty_cell;
+partition::CellWork<dim> work_of(partition::CellWork<dim> particles, double empty_cell) {
+  for (double& work : particles.work) work += empty_cell;
   return particles;
 }
 
@@ -46,14 +47,15 @@ Balance<dim>::Balance(const std::array<basis::NodeLine, dim>& nodes, const Balan
 template <int dim>
 partition::Layout<dim> Balance<dim>::ranges(const partition::CellWork<dim>& particles) const {
   partition::LayoutRequest<dim> request = m_request;
-  request.work = work_of(particles);
+  request.work = work_of(particles, empty_cell_of_ranges);
   return partition::balanced_layout(request);
 }
 
 template <int dim>
 partition::Ownership<dim> Balance<dim>::ownership(const partition::CellWork<dim>& particles,
                                                   const partition::Ownership<dim>& previous) const {
-  if (m_options.method == LoadBalance::metis) return common_blocks(work_of(particles), previous);
+  if (m_options.method == LoadBalance::metis)
+    return common_blocks(work_of(particles, empty_cell_of_metis), previous);
   return partition::ownership_of<dim>(ranges(particles), particles.cells, m_request.owner_offset);
 }
 

@@ -4,7 +4,6 @@
 #include <map>
 #include <numeric>
 
-#include "mpm/core/Errors.hpp"
 #include "mpm/grid/Walls.hpp"
 #include "support/Grids.hpp"
 
@@ -12,7 +11,6 @@ namespace mpm::grid {
 namespace {
 
 using basis::KnotLines;
-using partition::LayoutRequest;
 using test::Owners;
 using test::Spline;
 
@@ -428,77 +426,6 @@ TEST(Walls, held_components_vanish_on_the_wall_and_others_stay) {
       const bool held = c > 0 && (node[1] == top || (node[0] == 1 && c == 1));
       EXPECT_EQ(field.values(c)[local], held ? 0.0 : mark<2>(2, c, node));
     });
-}
-
-// Layout ----------------------------------------------------------------------------------------
-
-/// Work that grows along y, nine tenths of it in the upper third of 60 cells.
-partition::CellWork<2> top_heavy_work(const std::array<int, 2>& cells) {
-  partition::CellWork<2> work{cells, {}};
-  partition::for_each_cell<2>(cells, [&](std::size_t, const auto& cell) {
-    work.work.push_back(cell[1] < 40 ? 0.05 : 0.9);
-  });
-  return work;
-}
-
-LayoutRequest<2> top_heavy(int ranks) {
-  LayoutRequest<2> request;
-  request.nodes = {43, 63};
-  request.owner_offset = 1;
-  request.smallest_range = 3;
-  request.ranks = ranks;
-  request.work = top_heavy_work({40, 60});
-  return request;
-}
-
-partition::Ownership<2> ownership_of(const LayoutRequest<2>& request,
-                                     const partition::Layout<2>& layout) {
-  return partition::ownership_of<2>(layout, request.work.cells, request.owner_offset);
-}
-
-TEST(Layout, balances_the_work_and_not_the_cells) {
-  for (int ranks : {1, 2, 3, 4, 6, 8}) {
-    const auto request = top_heavy(ranks);
-    const auto layout = partition::balanced_layout(request);
-    EXPECT_EQ(layout.processes(0) * layout.processes(1), ranks);
-    EXPECT_LT(partition::imbalance(request.work, ownership_of(request, layout), ranks), 1.1)
-        << ranks;
-    for (int d : {0, 1}) {
-      EXPECT_EQ(layout.starts[d].front(), 0);
-      EXPECT_EQ(layout.starts[d].back(), request.nodes[d]);
-      for (std::size_t k = 1; k < layout.starts[d].size(); ++k)
-        EXPECT_GE(layout.starts[d][k] - layout.starts[d][k - 1], request.smallest_range);
-    }
-  }
-}
-
-TEST(Layout, imbalance_is_the_largest_load_over_the_mean) {
-  auto request = top_heavy(2);
-  partition::Layout<2> halves;
-  halves.starts = {{{0, 43}, {0, 31, 63}}};  // 30 rows of cells each
-  const double lower = 30 * 0.05, upper = 10 * 0.05 + 20 * 0.9;
-  EXPECT_NEAR(partition::imbalance(request.work, ownership_of(request, halves), 2),
-              upper / (0.5 * (lower + upper)), 1e-12);
-}
-
-TEST(Layout, one_direction_is_cut_where_only_it_is_long) {
-  auto request = top_heavy(4);
-  request.nodes = {5, 63};
-  request.work = top_heavy_work({2, 60});
-  EXPECT_EQ(partition::balanced_layout(request).processes(1), 4);
-}
-
-TEST(Layout, too_many_ranks_are_refused_with_the_largest_count_that_works) {
-  auto request = top_heavy(9);
-  request.nodes = {7, 12};  // at most 2 x 4 ranks
-  request.work = top_heavy_work({4, 9});
-  try {
-    partition::balanced_layout(request);
-    FAIL() << "nothing was thrown";
-  } catch (const BadInput& error) {
-    EXPECT_NE(std::string(error.what()).find("9 ranks"), std::string::npos) << error.what();
-    EXPECT_NE(std::string(error.what()).find("works is 8"), std::string::npos) << error.what();
-  }
 }
 
 }  // namespace
