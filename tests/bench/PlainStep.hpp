@@ -20,9 +20,9 @@ struct Block {
   int particles_per_direction = 2;
   double cell = 0.01;  ///< m
   double youngs_modulus = 2e6, poisson_ratio = 0.3, density = 1300.0;
-  double speed = 0.02;    ///< m/s, the largest at the start
-  double courant = 0.9;   ///< share of h/(c + |v|)
-  double gravity = 9.81;  ///< m/s^2, against the last direction
+  double speed = 0.005;  ///< m/s, the largest at the start: slow enough to stay in the grid
+  double courant = 0.9;  ///< share of h/(c + |v|)
+  double gravity = 0.0;  ///< m/s^2, against the last direction
 
   double lambda() const {
     return youngs_modulus * poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio));

@@ -78,15 +78,15 @@ void expect_equal_steps(const bench::Block& block, int steps) {
 }
 
 TEST(PlainStep, takes_the_steps_of_the_solver_in_two_dimensions) {
-  expect_equal_steps<2>({.cells = 17, .speed = 0.7}, 15);
+  expect_equal_steps<2>({.cells = 17, .speed = 0.7, .gravity = 9.81}, 15);
 }
 
 TEST(PlainStep, takes_the_steps_of_the_solver_in_three_dimensions) {
-  expect_equal_steps<3>({.cells = 8, .speed = 0.7}, 15);
+  expect_equal_steps<3>({.cells = 8, .speed = 0.7, .gravity = 9.81}, 15);
 }
 
 TEST(PlainStep, conserves_momentum) {
-  const bench::Block block{.cells = 9, .gravity = 0.0};
+  const bench::Block block{.cells = 9};
   bench::PlainBody<2> plain(block);
   const auto start = plain.momentum();
   const double scale = plain.mass() * block.speed;
