@@ -21,14 +21,13 @@ CELLS_2D, CELLS_3D = 106, 19  # 44,944 and 54,872 particles at two per direction
 
 class Effort(typing.NamedTuple):
     """How long is measured."""
-    rounds: int      # of interleaved runs
-    seconds: float   # of a run's step loop
-    repetitions: int  # within a program
-    largest: int     # particles
+    rounds: int     # of interleaved runs
+    seconds: float  # of a run's step loop
+    largest: int    # particles
 
 
-FULL = Effort(rounds=5, seconds=3.5, repetitions=5, largest=4_000_000)
-QUICK = Effort(rounds=1, seconds=0.3, repetitions=3, largest=100_000)
+FULL = Effort(rounds=5, seconds=3.5, largest=4_000_000)
+QUICK = Effort(rounds=1, seconds=0.3, largest=100_000)
 
 
 def run(command, directory=ROOT):
@@ -73,8 +72,8 @@ def median_of(rows, key):
 
 @functools.cache
 def commit():
-    done = subprocess.run(["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=12"],
-                          text=True, capture_output=True, check=False)
+    describe = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--abbrev=12"]
+    done = subprocess.run(describe, text=True, capture_output=True, check=False)
     return done.stdout.strip() or "unknown"
 
 

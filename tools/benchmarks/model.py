@@ -180,10 +180,10 @@ def limit(case, known):
     for ranks in RANKS:
         parts = step(case, ranks, CLUSTER, known)
         if parts is None:
-            return None, "parts too narrow"
+            return None, "grid too small for more"
         if efficiency(case, ranks, CLUSTER, known) < HALF:
             return ranks, max(("imbalance", "halo", "allreduce"), key=parts.get)
-    return None, "not up to 1024"
+    return None, "above it up to 1,024"
 
 
 def measure(_effort):

@@ -9,7 +9,8 @@ PAGES = ("docs/performance.md", "docs/scaling.md")
 MARK = re.compile(r"(<!-- table (?P<name>\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 CASES = {"elastic_2d": "linear elastic, 2D", "sand_2d": "sand under the pipe, 2D",
          "elastic_3d": "linear elastic, 3D"}
-LAWS = {"elastic": "linear elastic"}
+LAWS = {"elastic": "linear elastic", "mohr_coulomb": "Mohr–Coulomb", "neo_hookean": "neo-Hookean",
+        "von_mises": "von Mises"}
 
 
 def markdown(heads, rows):
@@ -26,13 +27,25 @@ def number(text, factor=1.0, digits=3):
     return f"{rounded:,.0f}" if abs(rounded) >= 10 ** (digits - 1) else f"{rounded:g}"
 
 
+def count(text):
+    return f"{float(text):,.0f}"
+
+
+def law_name(case):
+    """sand/2kPa/plastic_1e-5 becomes sand, 2 kPa, plastic 1e-5."""
+    law, *state = case.split("/")
+    words = [LAWS.get(law, law), *state]
+    return ", ".join(word.replace("_", " ").replace("kPa", " kPa") for word in words)
+
+
 def speed():
     return markdown(
         ("case", "particles", "ranks", "million updates per second and core", "over plain code",
-         "two ranks over one"),
-        [(CASES[row["case"]], number(row["particles"], digits=5), row["ranks"],
+         "two ranks over one", "bytes per particle"),
+        [(CASES[row["case"]], count(row["particles"]), row["ranks"],
           number(row["updates_per_s_and_core"], 1e-6), number(row["over_plain"]),
-          number(row["two_rank_speed_up"])) for row in tables.committed("speed")])
+          number(row["two_rank_speed_up"]), row["bytes_per_particle"])
+         for row in tables.committed("speed")])
 
 
 def phases():
@@ -45,10 +58,26 @@ def phases():
                     [(name, *(shares.get((case, name), "") for case in cases)) for name in names])
 
 
+def exchange():
+    """What a step of the smallest strong case exchanges on two ranks, without waiting."""
+    times = {(row["measure"], int(row["bytes"])): float(row["microseconds"])
+             for row in tables.committed("exchange")}
+    sizes = sorted(size for kind, size in times if kind == "halo_sum_2d")[:3]
+    kinds = (("halo_sum_2d", 2), ("halo_copy_2d", 1), ("halo_sum_2d", 0), ("halo_copy_2d", 0))
+    agreement = next(time for (kind, _), time in times.items() if kind == "allreduce")
+    total = sum(times[kind, sizes[k]] for kind, k in kinds) + model.ALLREDUCES * agreement
+    step = next(row for row in tables.committed("scaling")
+                if (row["measure"], row["dimension"], row["ranks"]) == ("strong", "2", "2"))
+    milliseconds = float(step["step_ms"])
+    return (f"Measured alone, so without waiting, the four halos and the agreement of a step of "
+            f"{count(step['particles'])} elastic particles on two ranks take {total:.0f} µs of "
+            f"{milliseconds:.3g} ms: {0.1 * total / milliseconds:.2g} %.\n")
+
+
 def particles():
     return markdown(
         ("particles", "ms per step", "ns per particle", "memory, bytes per particle"),
-        [(number(row["particles"], digits=7), number(row["step_ms"]),
+        [(count(row["particles"]), number(row["step_ms"]),
           number(row["ns_per_particle"]), row["memory_bytes_per_particle"])
          for row in tables.committed("step_cost") if row["particles"] != "slope"])
 
@@ -62,15 +91,14 @@ def slope():
 def laws():
     return markdown(
         ("law", "ns per particle", "over linear elastic"),
-        [(LAWS.get(row["case"], row["case"].replace("_", " ").replace("/", ", ")),
-          row["law_ns_per_particle"], row["ratio_to_elastic"])
+        [(law_name(row["case"]), row["law_ns_per_particle"], row["ratio_to_elastic"])
          for row in tables.committed("law_cost") if row["measure"] == "update"])
 
 
 def law_shares():
     return markdown(
         ("law", "particles yielding", "law, ns", "step, ns per particle", "share"),
-        [(row["case"].replace("_", " "), f"{100 * float(row['plastic_share']):.0f} %",
+        [(law_name(row["case"]), f"{100 * float(row['plastic_share']):.0f} %",
           row["law_ns_per_particle"], row["step_ns_per_particle"],
           f"{100 * float(row['share_of_step']):.0f} %")
          for row in tables.committed("law_cost") if row["measure"] == "step"])
@@ -80,7 +108,7 @@ def scaling():
     return markdown(
         ("", "dimension", "particles", "ranks", "ms per step", "ns per particle and core",
          "efficiency"),
-        [(row["measure"], row["dimension"], number(row["particles"], digits=7), row["ranks"],
+        [(row["measure"], row["dimension"], count(row["particles"]), row["ranks"],
           number(row["step_ms"]), number(row["ns_per_particle_and_core"]),
           number(row["efficiency"])) for row in tables.committed("scaling")
          if row["measure"] != "density"])
@@ -132,13 +160,13 @@ def check():
         dimension = int(row["dimension"])
         case = model.Case("", dimension, int(row["cells_per_side"]), f"elastic {dimension}D")
         computed = model.efficiency(case, 2, known.shared, known)
-        rows.append((f"{dimension}D", number(row["particles"], digits=7), f"{computed:.3f}",
+        rows.append((f"{dimension}D", count(row["particles"]), f"{computed:.3f}",
                      row["efficiency"]))
     return markdown(("", "particles", "model", "measured"), rows)
 
 
-MAKERS = {make.__name__: make for make in (speed, phases, particles, slope, laws, law_shares,
-                                           scaling, parameters, efficiencies, check)}
+MAKERS = {make.__name__: make for make in (speed, phases, exchange, particles, slope, laws,
+                                           law_shares, scaling, parameters, efficiencies, check)}
 
 
 def fill(text):

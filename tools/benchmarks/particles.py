@@ -1,16 +1,20 @@
-"""Time and memory of a step against the number of particles, on one core."""
+"""Time and memory of a step against the number of particles, on one core.
+
+All sizes take turns, so that a machine that gets slower or faster does not bend the curve.
+"""
 
 import math
 
-from .common import provenance, step_cost
+from .common import median_of, provenance, step_cost
 from .tables import Table
 
 TABLES = (Table("step_cost", ("particles",),
                 ("ns_per_particle", "exponent", "memory_bytes_per_particle")),)
 
 CELLS = (50, 87, 158, 274, 500, 1000)  # 4 particles each
+ROUNDS = 3
 SECONDS = 0.4
-BIG = 1_000_000  # from here on fewer repetitions do
+BIG = 1_000_000  # from here on one repetition a round does
 
 
 def slope(points):
@@ -20,14 +24,22 @@ def slope(points):
             / sum((x - mean_x) ** 2 for x, _ in points))
 
 
+def measure_rounds(effort):
+    """All measurements of each size."""
+    sizes = [cells for cells in CELLS if 4 * cells * cells <= effort.largest]
+    measured = {cells: [] for cells in sizes}
+    for _ in range(min(ROUNDS, effort.rounds)):
+        for cells in sizes:
+            repetitions = 1 if 4 * cells * cells >= BIG else 3
+            measured[cells].append(step_cost(1, 2, cells, 2, repetitions, SECONDS))
+    return measured.values()
+
+
 def measure(effort):
-    measured = []
-    for cells in CELLS:
-        if 4 * cells * cells > effort.largest:
-            break
-        repetitions = min(effort.repetitions, 3) if 4 * cells * cells >= BIG else effort.repetitions
-        measured.append(step_cost(1, 2, cells, 2, repetitions, SECONDS))
-    settings = "elastic block in 2D; cubic; MUSL; 2 particles per direction; 1 rank"
+    measured = [{key: median_of(rows, key) for key in ("particles", "step_s", "memory_bytes")}
+                for rows in measure_rounds(effort)]
+    settings = (f"elastic block in 2D; cubic; MUSL; 2 particles per direction; 1 rank; median of "
+                f"{min(ROUNDS, effort.rounds)} turns")
     rows = [{
         "particles": f"{row['particles']:.0f}", "step_ms": f"{1e3 * row['step_s']:.4g}",
         "ns_per_particle": f"{1e9 * row['step_s'] / row['particles']:.1f}", "exponent": "",

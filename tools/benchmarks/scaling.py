@@ -12,6 +12,9 @@ TABLES = (Table("scaling", ("measure", "dimension", "ranks", "particles"),
           Table("exchange", ("measure", "bytes"), ("microseconds",)))
 
 
+ROUNDS, REPETITIONS = 3, 3
+
+
 class Job(typing.NamedTuple):
     measure: str
     dimension: int
@@ -54,12 +57,12 @@ def row_of(k, measured):
 
 
 def measure_steps(effort):
-    rounds = min(effort.rounds, 3)
+    rounds = min(ROUNDS, effort.rounds)
     measured = [[] for _ in JOBS]
     for _ in range(rounds):
         for job, rows in zip(JOBS, measured):
             rows.append(step_cost(job.ranks, job.dimension, job.cells, job.per_direction,
-                                  min(effort.repetitions, 3), effort.seconds / 10))
+                                  REPETITIONS, effort.seconds / 10))
     settings = f"elastic block; cubic; MUSL; median of {rounds} runs in turns"
     return [row_of(k, measured) | provenance(settings) for k in range(len(JOBS))]
 

@@ -4,7 +4,7 @@ import csv
 import shutil
 import typing
 
-from .common import RESULTS, ROOT
+from .common import RESULTS, ROOT, commit, machine
 
 DATA = ROOT / "docs/data"
 _measured = {}  # rows by table, of this call of the program
@@ -70,7 +70,7 @@ def lines(table, rows, old_rows):
 def compare(table):
     """Prints the new table next to the committed one."""
     rows, old_rows = _measured[table.name], committed(table.name)
-    print(f"\n{table.name} ({rows[0].get('settings', '')})")
+    print(f"\n{table.name}: {commit()} ({machine()})")
     if old_rows and "commit" in old_rows[0]:
         print(f"committed: {old_rows[0]['commit']} ({old_rows[0]['settings']})")
     heads = ("", "quantity", "new", "committed", "new/committed")
