@@ -39,7 +39,7 @@ struct CutCellOptions {
   void declare(options::OptionSet& options) {
     run.declare(options);
     options.section("Cut cell");
-    options.integer("dimension", dimension, {1, 2}, {"1", "a bar or a square", "chosen"});
+    options.integer("dimension", dimension, {1, 3}, {"1", "a bar, a square or a cube", "chosen"});
     options.integer("cells", cells, {2, 1000}, {"1", "cells along a side of the body", "chosen"});
     options.integer("increments", steps, {windows, 1'000'000'000},
                     {"steps", "of each run", "docs/model.md"});
@@ -73,10 +73,9 @@ double scatter(std::uint64_t number) {
 
 template <int dim>
 std::array<basis::KnotLines, dim> repeated(const basis::KnotLines& line) {
-  if constexpr (dim == 1)
-    return {line};
-  else
-    return {line, line};
+  if constexpr (dim == 1) return {line};
+  if constexpr (dim == 2) return {line, line};
+  if constexpr (dim == 3) return {line, line, line};
 }
 
 /// An elastic body whose surfaces stand at one place in their cells, shaken a little.
@@ -235,8 +234,10 @@ class CutCell : public Scene {
   void run(io::Summary& summary) override {
     if (m_options.dimension == 1)
       sweep<1>(summary);
-    else
+    else if (m_options.dimension == 2)
       sweep<2>(summary);
+    else
+      sweep<3>(summary);
   }
 
   std::string answer(const io::Summary& summary) const override {

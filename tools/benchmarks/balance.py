@@ -1,15 +1,17 @@
-"""Largest over mean number of particles of a rank on 4, 8 and 64 ranks, for a collapsing column and
-a pipe at several moments. Runs the scenes on one rank; prints CSV.
+"""Largest over mean number of particles of a rank on 4, 8 and 64 ranks that need not be there, for a
+collapsing column and a pipe at several moments."""
 
-usage: load_balance.py LAUNCHER PROGRAM LOAD_BALANCE
-"""
+import pathlib
 import subprocess
-import sys
 import tempfile
-from pathlib import Path
 
 import h5py
 import numpy as np
+
+from .common import BUILD, PROGRAMS, provenance, rows_of, run_on_ranks
+from .tables import Table
+
+TABLES = (Table("load_balance", ("scene", "moment", "ranks", "method"), ("max_over_mean",)),)
 
 # With linear splines the nodes that are written stand on the lines of the cells.
 SCENES = {
@@ -39,24 +41,22 @@ def moment_of(directory, number):
         return f"{float(particles.attrs['time_s']):.3g}s"
 
 
-def histograms(launch, scene, arguments):
+def histograms(scene, arguments):
     """One for each moment."""
     with tempfile.TemporaryDirectory() as temporary:
-        directory = Path(temporary)
-        subprocess.run([*launch, *arguments, "-basis", "linear", "-progress", "off",
-                        "-output_dir", str(directory)], check=True, stdout=subprocess.DEVNULL)
+        directory = pathlib.Path(temporary)
+        run_on_ranks(1, [BUILD / "mpmsolve", *arguments, "-basis", "linear", "-progress", "off",
+                         "-output_dir", directory])
         numbers = sorted(path.stem.split("_")[1] for path in directory.glob("particles_*.h5"))
         moments = {moment_of(directory, number): counts_of(directory, number)
                    for number in numbers}
         return [f"{scene} {moment} {counts}" for moment, counts in moments.items()]
 
 
-def main():
-    launcher, program, load_balance = sys.argv[1:]
+def measure(_effort):
     text = [histogram for scene, arguments in SCENES.items()
-            for histogram in histograms([launcher, "1", program], scene, arguments)]
-    subprocess.run([load_balance], input="\n".join(text), text=True, check=True)
-
-
-if __name__ == "__main__":
-    main()
+            for histogram in histograms(scene, arguments)]
+    printed = subprocess.run([PROGRAMS / "load_balance"], input="\n".join(text), text=True, check=True,
+                             stdout=subprocess.PIPE).stdout
+    return {"load_balance": [row | provenance(" ".join(SCENES[row["scene"]]) + " -basis linear")
+                             for row in rows_of(printed)]}
