@@ -5,6 +5,7 @@
 
 #include "mpm/core/Simd.hpp"
 #include "mpm/petsc/Error.hpp"
+#include "mpm/petsc/Log.hpp"
 
 namespace mpm::grid {
 namespace {
@@ -88,6 +89,7 @@ void NodalField<dim>::set_active_to_zero() {
 
 template <int dim>
 void NodalField<dim>::sum_to_owners() {
+  const petsc::Phase phase("mpm: halo sum");
   double* const all = values(0);
   MPM_PETSC(PetscSFReduceBegin(halo(), MPIU_SCALAR, all, all, MPI_SUM));
   MPM_PETSC(PetscSFReduceEnd(m_halo, MPIU_SCALAR, all, all, MPI_SUM));
@@ -95,6 +97,7 @@ void NodalField<dim>::sum_to_owners() {
 
 template <int dim>
 void NodalField<dim>::copy_to_ghosts() {
+  const petsc::Phase phase("mpm: halo copy");
   double* const all = values(0);
   MPM_PETSC(PetscSFBcastBegin(halo(), MPIU_SCALAR, all, all, MPI_REPLACE));
   MPM_PETSC(PetscSFBcastEnd(m_halo, MPIU_SCALAR, all, all, MPI_REPLACE));

@@ -7,6 +7,7 @@
 
 #include "mpm/io/Hdf5File.hpp"
 #include "mpm/io/TextFile.hpp"
+#include "mpm/petsc/Log.hpp"
 #include "mpm/petsc/Session.hpp"
 
 namespace mpm::io {
@@ -162,6 +163,7 @@ template <int dim>
 void FieldOutput<dim>::write(const Moment& moment, const particles::Particles<dim>& particles,
                              const grid::Grid<dim>& grid,
                              const grid::NodalField<dim>& mass_and_momentum) {
+  const petsc::Phase phase("mpm: output");
   const std::string particle_grid = write_particles(moment, particles);
   const std::string node_grid = write_grid(moment, grid, mass_and_momentum);
   m_particle_grids.push_back(particle_grid);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "mpm/petsc/Log.hpp"
+
 namespace mpm::particles {
 namespace {
 
@@ -126,6 +128,7 @@ void Particles<dim>::add(std::span<const Seed<dim>> seeds) {
 
 template <int dim>
 void Particles<dim>::migrate() {
+  const petsc::Phase phase("mpm: migrate");
   m_swarm.migrate(cells());
   sort();
 }
@@ -187,6 +190,7 @@ partition::CellWork<dim> Particles<dim>::count_in_cells() const {
 
 template <int dim>
 void Particles<dim>::sort() {
+  const petsc::Phase phase("mpm: sort");
   renew_active_cells();
   const int keys_per_material = m_grid.reachable_cells().box().size();
   const auto materials = static_cast<int>(m_materials.size());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpm/petsc/Log.hpp"
 #include "mpm/petsc/Session.hpp"
 
 namespace mpm::scene {
@@ -66,6 +67,7 @@ bool RunLoop<dim>::run(const Stage& stage) {
   solver::RunState& state = m_simulation.state();
   state.steps_in_stage = 0;
   state.time_in_stage = 0.0;
+  const petsc::Stage logged(stage.name);
   m_progress.begin(stage.name, state.step);
   double share = stage.share_done();
   while (share < 1.0 && !is_over()) {

@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "mpm/basis/Bases.hpp"
+#include "mpm/core/Simd.hpp"
+#include "mpm/petsc/Log.hpp"
 
 namespace mpm::solver {
 namespace {
@@ -71,6 +73,7 @@ void ExplicitStep<dim, Basis>::find_mass(const View& particles) {
 
 template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::deposit(const View& particles, const StepOptions<dim>& options) {
+  const petsc::Phase phase("mpm: deposit");
   if constexpr (transfer::DualBasis<Basis>) find_mass(particles);
   const transfer::MassMomentumForce<dim> sums(m_sums);
   m_sums.set_active_to_zero();
@@ -85,6 +88,7 @@ void ExplicitStep<dim, Basis>::deposit(const View& particles, const StepOptions<
 template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::update_velocities(const View& particles, const RunState& state,
                                                  const StepOptions<dim>& options) {
+  const petsc::Phase phase("mpm: update velocities");
   const double dt = state.momentum_dt();
   const transfer::VelocityAcceleration<dim> rates(m_rates);
   transfer::update_velocities<dim, Basis>(particles, stencil(), dt, options.flip_share(dt), rates);
@@ -96,6 +100,7 @@ template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::update_velocities_and_remap(const View& particles,
                                                            const RunState& state,
                                                            const StepOptions<dim>& options) {
+  const petsc::Phase phase("mpm: update velocities");
   const double dt = state.momentum_dt();
   const transfer::VelocityAcceleration<dim> rates(m_rates);
   m_remapped.set_active_to_zero();
@@ -131,6 +136,7 @@ StepReport ExplicitStep<dim, Basis>::strain_and_move(
   const transfer::VelocityAcceleration<dim> rates(m_rates);
   const bool averages = options.averages_volume && dt.strain > 0.0;
   const auto gather = [&](const transfer::AdvanceTimes& times) {
+    const petsc::Phase phase("mpm: strain and move");
     return transfer::gather_increments_and_move<dim, Basis>(
         particles, stencil(), times, rates, strain_velocity, m_parts.grid, m_increments);
   };
@@ -138,10 +144,7 @@ StepReport ExplicitStep<dim, Basis>::strain_and_move(
   transfer::Drift drift = gather(averages ? transfer::AdvanceTimes{dt.strain, 0.0} : dt);
   if (averages) average_volume_change(particles);
   int broken = -1;
-  if (dt.strain > 0.0) {
-    transfer::rotate_and_expand(particles, m_increments);
-    broken = update_stress(particles);
-  }
+  if (dt.strain > 0.0) broken = update_stress(particles);
   if (averages && dt.move > 0.0) drift = gather({.strain = 0.0, .move = dt.move});
   StepReport report{drift.must_migrate, drift.lost >= 0 ? drift.lost : broken};
   if (dt.move > 0.0 && !m_parts.boundary.is_empty())
@@ -154,6 +157,7 @@ StepReport ExplicitStep<dim, Basis>::strain_and_move(
 
 template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::average_volume_change(const View& particles) {
+  const petsc::Phase phase("mpm: average volume change");
   if (!m_volume_change)
     m_volume_change = std::make_unique<grid::NodalField<dim>>(
         m_parts.grid, std::vector<grid::Component>(2, {grid::Component::scalar}));
@@ -175,6 +179,7 @@ void ExplicitStep<dim, Basis>::average_volume_change(const View& particles) {
 /// p_I += f_I dt (Eq. 6) with walls, rigid bodies and damping; then v_I = p_I/m_I, a_I = f_I/m_I.
 template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::update_momentum(const RunState& state, double damping) {
+  const petsc::Phase phase("mpm: update momentum");
   const transfer::MassMomentumForce<dim> sums(m_sums);
   const double dt = state.momentum_dt();
   m_parts.walls.fold(m_parts.grid, m_sums);
@@ -260,9 +265,31 @@ void ExplicitStep<dim, Basis>::constrain_remapped_momentum() {
   m_parts.walls.unfold(m_parts.grid, m_remapped);
 }
 
-/// Calls the laws, each on its own particles. Returns one whose stress is not finite, or -1.
+namespace {
+
+/// A particle whose stress is not finite, or -1.
+template <int dim>
+int find_broken_stress(const particles::ParticleView<dim>& view) {
+  int broken = -1;
+  simd::for_each_group(view.count, [&](int first, int n) {
+    simd::Pack sum{};
+    for (int c = 0; c < tensor_components<dim>; ++c) sum += simd::load(view.stress[c] + first, n);
+    const simd::Mask finite = sum - sum == 0.0;
+    if (simd::all(finite)) return;
+    for (int lane = 0; lane < n; ++lane)
+      if (!finite[lane]) broken = first + lane;
+  });
+  return broken;
+}
+
+}  // namespace
+
+/// Turns stresses with their particles and calls the laws, each on its own particles. Returns one
+/// whose stress is not finite, or -1.
 template <int dim, class Basis>
 int ExplicitStep<dim, Basis>::update_stress(const particles::ParticleView<dim>& view) {
+  const petsc::Phase phase("mpm: stress");
+  transfer::rotate_and_expand(view, m_increments);
   for (std::size_t k = 0; k < m_parts.particles.materials().size(); ++k) {
     const auto material = static_cast<int>(k);
     material::Batch batch = m_parts.particles.batch_of(view, material);
@@ -272,37 +299,67 @@ int ExplicitStep<dim, Basis>::update_stress(const particles::ParticleView<dim>& 
             m_increments.strain[c].data() + m_parts.particles.range_of(material).first;
     m_parts.particles.materials()[k]->update_stress(batch);
   }
-  for (int p = 0; p < view.count; ++p) {
-    double sum = 0.0;
-    for (int c = 0; c < tensor_components<dim>; ++c) sum += view.stress[c][p];
-    if (!std::isfinite(sum)) return p;
-  }
-  return -1;
+  return find_broken_stress(view);
 }
+
+namespace {
+
+/// The smallest span of the functions that reach the cell of a particle; sorted particles mostly
+/// stay in the cell of the one before.
+template <int dim, class Basis>
+class SmallestSpan {
+ public:
+  explicit SmallestSpan(const std::array<Basis, dim>& bases) : m_bases(bases) {}
+
+  double at(const Vector<dim>& x) {
+    double span = std::numeric_limits<double>::max();
+    for (int d = 0; d < dim; ++d) {
+      if (!m_bases[d].lines().cell_holds(m_cell[d], x[d]))
+        m_cell[d] = m_bases[d].lines().cell_of(x[d]);
+      span = std::min(span, m_bases[d].smallest_span(m_cell[d]));
+    }
+    return span;
+  }
+
+ private:
+  const std::array<Basis, dim>& m_bases;
+  std::array<int, dim> m_cell{};
+};
+
+/// Smallest of four.
+double smallest_of(simd::Pack x) {
+  return std::min(std::min(x[0], x[1]), std::min(x[2], x[3]));
+}
+
+}  // namespace
 
 template <int dim, class Basis>
 double ExplicitStep<dim, Basis>::smallest_transit_time() const {
   const particles::ParticleView<dim> view = m_parts.particles.view();
-  double smallest = std::numeric_limits<double>::max();
+  simd::Pack smallest = simd::broadcast(std::numeric_limits<double>::max());
+  SmallestSpan<dim, Basis> smallest_span(m_parts.bases);
   std::vector<double> modulus;
   for (std::size_t k = 0; k < m_parts.particles.materials().size(); ++k) {
     const auto range = m_parts.particles.range_of(static_cast<int>(k));
     const material::Batch batch = m_parts.particles.batch_of(view, static_cast<int>(k));
     modulus.resize(batch.size);
     m_parts.particles.materials()[k]->wave_modulus(batch, modulus);
-    for (int p = range.first; p < range.last; ++p) {
-      const double density = view.mass[p] / view.volume[p];
-      double speed = 0.0, span = std::numeric_limits<double>::max();
+    simd::for_each_group(static_cast<int>(batch.size), [&](int offset, int n) {
+      const int first = range.first + offset;
+      simd::Pack square{}, span{};
       for (int d = 0; d < dim; ++d) {
-        const int cell = m_parts.bases[d].lines().cell_of(view.position[d][p]);
-        span = std::min(span, m_parts.bases[d].smallest_span(cell));
-        speed += view.velocity[d][p] * view.velocity[d][p];
+        const simd::Pack v = simd::load(view.velocity[d] + first, n);
+        square += v * v;
       }
-      const double c = std::sqrt(modulus[static_cast<std::size_t>(p - range.first)] / density);
-      smallest = std::min(smallest, span / (c + std::sqrt(speed)));
-    }
+      for (int lane = 0; lane < simd::lanes; ++lane)
+        span[lane] = smallest_span.at(view.position_of(first + std::min(lane, n - 1)));
+      const simd::Pack density =
+          simd::load(view.mass + first, n) / simd::load(view.volume + first, n);
+      const simd::Pack c = simd::sqrt(simd::load(modulus.data() + offset, n) / density);
+      smallest = simd::min(smallest, span / (c + simd::sqrt(square)));
+    });
   }
-  return smallest;
+  return smallest_of(smallest);
 }
 
 #define MPM_INSTANTIATE(dim, Basis) template class ExplicitStep<dim, Basis>;

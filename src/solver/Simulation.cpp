@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mpm/core/Errors.hpp"
+#include "mpm/petsc/Log.hpp"
 #include "mpm/petsc/Session.hpp"
 
 namespace mpm::solver {
@@ -132,6 +133,7 @@ void Simulation<dim>::start_from_rest() {
 
 template <int dim>
 void Simulation<dim>::renew_time_step() {
+  const petsc::Phase phase("mpm: time step");
   const double transit = petsc::minimum(m_step->smallest_transit_time());
   const double stable = m_courant * transit;
   const double previous = m_state.dt;
@@ -186,13 +188,23 @@ void Simulation<dim>::advance() {
   ++m_state.steps_since_renewal;
 }
 
+namespace {
+
+/// The greatest need of any rank. Collective.
+int agreed(int mine) {
+  const petsc::Phase phase("mpm: agree");
+  MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+  return mine;
+}
+
+}  // namespace
+
 /// All ranks learn whether one of them has to stop or to hand particles over.
 template <int dim>
 void Simulation<dim>::agree(const StepReport& report) {
   enum Need { nothing, sorting, migration, stop };
   const int mine = report.broken_particle >= 0 ? stop : report.must_migrate ? migration : nothing;
-  int all = mine;
-  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+  const int all = agreed(mine);
   if (all == stop) {
     const int rank = petsc::world_rank();
     int first = petsc::world_size();
