@@ -198,7 +198,8 @@ void Grid<dim>::find_boxes() {
     m_ghosted_of.push_back(box);
   }
   m_ghosted = ghosted_nodes_of(m_rank);
-  m_local_cells = with_drift(owned_boxes[static_cast<std::size_t>(m_rank)], all_cells());
+  m_own_box = owned_boxes[static_cast<std::size_t>(m_rank)];
+  m_local_cells = with_drift(m_own_box, all_cells());
 }
 
 template <int dim>
@@ -212,9 +213,7 @@ void Grid<dim>::mark_cells() {
   for (int d = 0; d < dim; ++d) spread(m_cell_marks, m_local_cells, d, 1, 1);
   for (std::size_t k = 0; k < size; ++k)
     if (own[k] != 0) m_cell_marks[k] = reachable | owned;
-  const Box<dim> own_box =
-      boxes_around_cells(m_ownership, m_ranks)[static_cast<std::size_t>(m_rank)];
-  m_owned_cells = marked_cells(own_box, m_local_cells, m_cell_marks, owned);
+  m_owned_cells = marked_cells(m_own_box, m_local_cells, m_cell_marks, owned);
   m_reachable_cells = marked_cells(m_local_cells, m_local_cells, m_cell_marks, reachable);
 }
 

@@ -179,6 +179,10 @@ void even_out(const Graph& graph, const std::vector<double>& work, std::vector<i
 std::vector<int> balanced_parts(Graph graph, const std::vector<double>& work, int ranks) {
   std::vector<int> best(work.size(), 0);
   if (ranks == 1) return best;
+  if (work.size() <= static_cast<std::size_t>(ranks)) {  // one each, more than METIS would give
+    std::iota(best.begin(), best.end(), 0);
+    return best;
+  }
   double smallest = ranks + 1.0;
   for (const Method method : {Method::contiguous, Method::scattered, Method::bisected})
     for (int seed = 1; seed <= seeds; ++seed) {

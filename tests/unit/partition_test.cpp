@@ -126,6 +126,16 @@ TEST(Ownership, metis_blocks_are_the_same_every_time) {
   EXPECT_EQ(metis_blocks_of(work, 7), metis_blocks_of(work, 7));
 }
 
+TEST(Ownership, metis_blocks_serve_more_ranks_than_there_are_blocks) {
+  for (int cells : {1, 3, 5, 9, 20})
+    for (int ranks : {2, 3, 4, 7, 9}) {
+      const CellWork<1> work{{cells}, std::vector<double>(static_cast<std::size_t>(cells), 2.0)};
+      const Ownership<1> ownership = metis_blocks(work, ranks, Ownership<1>({{{0, cells}}}, {0}));
+      for (double load : loads(work, ownership, ranks)) EXPECT_LE(load, 2.0 * cells);
+      for (int rank : ownership.ranks()) EXPECT_TRUE(rank >= 0 && rank < ranks) << rank;
+    }
+}
+
 /// What is mirrored at a wall folds onto the second cell from it at the most.
 TEST(Ownership, metis_blocks_leave_the_cells_at_a_wall_to_one_rank) {
   for (int cells : {5, 6, 7, 30, 31}) {

@@ -150,6 +150,7 @@ class Grid {
 
   std::vector<Box<dim>> m_ghosted_of;  ///< of every rank
   Box<dim> m_ghosted;
+  Box<dim> m_own_box;      ///< around the owned cells
   Box<dim> m_local_cells;  ///< those whose nodes are all in m_ghosted
   Marks m_cell_marks;      ///< of these
   CellSet<dim> m_owned_cells, m_reachable_cells, m_active_cells;
