@@ -16,6 +16,8 @@ Main Stage,PetscBarrier,0,0,0.,0.,0.,0.,0.
 loading,mpm: update velocities, remap,0,10,1.5e-01,0.,0.,0.,0.
 loading,mpm: update velocities, remap,1,10,0.25,0.,0.,0.,0.
 geostatic,mpm: update velocities, remap,1,10,0.1,0.,0.,0.,0.
+Main Stage,mpm: halo sum,0,1,0.7,6.,24.,3.,0.
+loading,mpm: output,0,1,0.7,6.,24.,3.,0.
 loading,mpm: halo sum,0,10,0.2,6.,24.,3.,0.
 loading,mpm: halo sum,1,10,0.4,6.,24.,3.,0.
 loading,SFReduceEnd,0,10,0.2,6.,24.,3.,0.
@@ -33,6 +35,7 @@ class Phases(unittest.TestCase):
         self.assertAlmostEqual(shares["halo sum"], 0.6)
         self.assertAlmostEqual(shares["all exchange"], 0.6)
         self.assertAlmostEqual(shares["star forests"], 0.2)
+        self.assertNotIn("output", shares)
 
     def test_a_log_without_phases_has_star_forests_only(self):
         self.assertEqual(list(phases.shares_of({"SFBcastEnd": 1.0}, 4.0)), ["star forests"])
