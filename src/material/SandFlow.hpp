@@ -28,12 +28,15 @@ struct SandFlow {
 
 /// Eq. 23.
 template <class Real>
-SandFlow<Real> sand_flow(const LoadingSurface& surface, const SurfaceStateOf<Real>& y,
-                         const SurfacePointOf<Real>& point, Real q, const SandStraining<Real>& d) {
+[[gnu::always_inline]] inline SandFlow<Real> sand_flow(const LoadingSurface& surface,
+                                                       const SurfaceStateOf<Real>& y,
+                                                       const SurfacePointOf<Real>& point, Real q,
+                                                       const SandStraining<Real>& d) {
   const auto [C, E, F, T] = surface.slopes(y, point);
   const Real G = point.G;
-  const Real K = surface.elasticity().bulk_modulus(y.p_star);
-  const Real D = surface.dilatancy(point, Real(q / y.p_star));
+  const Real stiffness = surface.elasticity().stiffness(y.p_star);
+  const Real K = stiffness * y.p_star;
+  const Real KD = stiffness * surface.dilatancy_stress(point, y.p_star, q);
 
   // The excess of an elastic step over the surface at constant eps_q.
   const Real specific_volume = 1.0 + y.void_ratio;
@@ -45,10 +48,10 @@ SandFlow<Real> sand_flow(const LoadingSurface& surface, const SurfaceStateOf<Rea
   // Nearly isotropic compression leaves the surface with lambda < 0: the strain is elastic and
   // eps_q follows so that q stays on the surface.
   const Real denominator =
-      simd::select(plastic, simd::max(Real(3.0 * G - C * K * D), Real(1e-3 * G)), F);
+      simd::select(plastic, simd::max(Real(3.0 * G - C * KD), Real(1e-3 * G)), F);
   const Real ratio = simd::select(plastic, beyond, X) / simd::select(loading, denominator, G);
   const Real lambda = simd::select(plastic, ratio, Real{});
-  return {K * (d.eps_v - D * lambda),
+  return {K * d.eps_v - KD * lambda,
           simd::select(plastic, growth, simd::select(outward, ratio, Real{})), lambda, loading};
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -52,7 +53,6 @@ double SandLaw::initial_density() const {
 
 namespace {
 
-/// s (and e) of four particles without their components yz and xz where those are zero for all.
 /// Takes the mean off in place and returns the trace.
 Pack make_deviator(PackTensor& a) {
   const Pack sum = trace(a);
@@ -60,73 +60,95 @@ Pack make_deviator(PackTensor& a) {
   return sum;
 }
 
-DeviatorPlane plane_of(const PackTensor& s, const PackTensor& e, bool plane_strain) {
-  const auto square = [&](const PackTensor& a, const PackTensor& b) {
-    Pack sum = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * (a[3] * b[3]);
-    if (!plane_strain) sum += 2.0 * (a[4] * b[4] + a[5] * b[5]);
-    return sum;
-  };
-  DeviatorPlane d{square(s, s), square(s, e), square(e, e), {}, {}, {}, {}};
-  // cof(a) : b and det a = cof(a) : a/3.
-  const auto add = [&](const PackTensor& a, Pack& with_itself, const PackTensor& b, Pack& with_b) {
-    PackTensor cof;
-    cof[0] = a[1] * a[2];
-    cof[1] = a[0] * a[2];
-    cof[2] = a[0] * a[1] - a[3] * a[3];
-    cof[3] = -a[3] * a[2];
-    if (!plane_strain) {
-      cof[0] -= a[4] * a[4];
-      cof[1] -= a[5] * a[5];
-      cof[3] += a[4] * a[5];
-      cof[4] = a[3] * a[5] - a[4] * a[0];
-      cof[5] = a[3] * a[4] - a[1] * a[5];
-    }
-    with_b = square(cof, b);
-    with_itself = a[0] * cof[0] + a[3] * cof[3];
-    if (!plane_strain) with_itself += a[5] * cof[5];
-  };
-  add(s, d.det_s, e, d.turn_s);
-  add(e, d.det_e, s, d.turn_e);
-  return d;
+Shear shear_of(const Batch& batch) {
+  for (std::size_t k : {4U, 5U})
+    if (batch.stress.component[k] || batch.strain_increment.component[k]) return Shear::any;
+  return Shear::in_plane;
 }
+
+/// Some particles of a batch as packs: their deviators, and what becomes of them.
+class SandBlock {
+ public:
+  SandBlock(const Batch& batch, double cohesion_shift)
+      : m_batch(batch), m_cohesion_shift(cohesion_shift), m_shear(shear_of(batch)) {}
+
+  /// Moves to the particles from `first` on.
+  void load(std::size_t first) {
+    m_first = first;
+    m_size = std::min(block, (m_batch.size - first + simd::lanes - 1) / simd::lanes);
+    for (std::size_t k = 0; k < m_size; ++k) load_pack(k);
+  }
+  void advance(const SandPackIntegrator& integrator) {
+    integrator.advance({m_start.data(), m_size}, {m_end.data(), m_size});
+  }
+  /// Calls `leave(particle)` for those that have not been advanced.
+  template <class Leave>
+  void store(const Leave& leave) {
+    for (std::size_t k = 0; k < m_size; ++k) {
+      store_pack(k);
+      if (simd::all(m_end[k].done)) continue;
+      for (std::size_t lane = 0; lane < std::min<std::size_t>(simd::lanes, count(k)); ++lane)
+        if (!m_end[k].done[lane]) leave(particle(k) + lane);
+    }
+  }
+
+ private:
+  static constexpr std::size_t block = SandPackIntegrator::block;
+
+  std::size_t particle(std::size_t k) const { return m_first + k * simd::lanes; }
+  std::size_t count(std::size_t k) const { return m_batch.size - particle(k); }
+  const double* state(std::size_t variable, std::size_t k) const {
+    return m_batch.state[variable] + particle(k);
+  }
+
+  void load_pack(std::size_t k) {
+    SandPack& y = m_start[k];
+    m_stress[k] = load_lanes(m_batch.stress, particle(k), count(k));
+    m_s[k] = m_stress[k];
+    m_e[k] = load_lanes(m_batch.strain_increment, particle(k), count(k));
+    y.p_star = m_cohesion_shift - make_deviator(m_s[k]) * (1.0 / 3.0);
+    y.deps_v = -make_deviator(m_e[k]);
+    m_void_ratio[k] = load_lanes(state(SandLaw::void_ratio, k), count(k));
+    y.specific_volume = 1.0 + m_void_ratio[k];
+    y.eps_q = load_lanes(state(SandLaw::eps_q, k), count(k));
+    y.gap = load_lanes(state(SandLaw::gap_volume_ratio, k), count(k));
+    y.plane = plane_of(m_s[k], m_e[k], m_shear);
+  }
+
+  /// Lanes that are not done get back what they had.
+  void store_pack(std::size_t k) const {
+    const auto& [p_star, eps_q, specific_volume, a, b, done] = m_end[k];
+    PackTensor stress;
+    for (int c = 0; c < SymmetricTensor::size; ++c) stress[c] = a * m_s[k][c] + b * m_e[k][c];
+    for (int c = 0; c < 3; ++c) stress[c] += m_cohesion_shift - p_star;
+    for (int c = 0; c < SymmetricTensor::size; ++c)
+      stress[c] = simd::select(done, stress[c], m_stress[k][c]);
+    store_lanes(m_batch.stress, particle(k), count(k), stress);
+    store_lanes(m_batch.state[SandLaw::void_ratio] + particle(k),
+                simd::select(done, specific_volume - 1.0, m_void_ratio[k]), count(k));
+    store_lanes(m_batch.state[SandLaw::eps_q] + particle(k),
+                simd::select(done, eps_q, m_start[k].eps_q), count(k));
+  }
+
+  const Batch& m_batch;
+  double m_cohesion_shift;
+  Shear m_shear;
+  std::size_t m_first = 0, m_size = 0;
+  std::array<PackTensor, block> m_stress, m_s, m_e;
+  std::array<Pack, block> m_void_ratio;
+  std::array<SandPack, block> m_start;
+  std::array<SandPackEnd, block> m_end;
+};
 
 }  // namespace
 
 void SandLaw::update_stress(const Batch& batch) const {
   const SandPackIntegrator integrator(m_surface, m_sand);
-  double* const e = batch.state[void_ratio];
-  double* const eps = batch.state[eps_q];
-  const double* const gap = batch.state[gap_volume_ratio];
-  const bool plane_strain =
-      batch.stress.component[4] == nullptr && batch.strain_increment.component[4] == nullptr &&
-      batch.stress.component[5] == nullptr && batch.strain_increment.component[5] == nullptr;
-  for (std::size_t first = 0; first < batch.size; first += simd::lanes) {
-    const std::size_t count = batch.size - first;
-    const PackTensor stress = load_lanes(batch.stress, first, count);
-    PackTensor s = stress, strain = load_lanes(batch.strain_increment, first, count);
-    const Pack void_ratio_0 = load_lanes(e + first, count), eps_0 = load_lanes(eps + first, count);
-    SandPack y;
-    y.p_star = m_cohesion_shift - make_deviator(s) * (1.0 / 3.0);
-    y.deps_v = -make_deviator(strain);
-    y.specific_volume = 1.0 + void_ratio_0;
-    y.eps_q = eps_0;
-    y.gap = load_lanes(gap + first, count);
-    y.plane = plane_of(s, strain, plane_strain);
-    SandPackEnd end;
-    integrator.advance(y, end);
-    PackTensor new_stress;
-    const Pack mean = m_cohesion_shift - end.p_star;
-    for (int k = 0; k < SymmetricTensor::size; ++k) {
-      new_stress[k] = end.of_stress * s[k] + end.of_strain * strain[k];
-      if (k < 3) new_stress[k] += mean;
-      new_stress[k] = simd::select(end.done, new_stress[k], stress[k]);
-    }
-    store_lanes(batch.stress, first, count, new_stress);
-    store_lanes(e + first, simd::select(end.done, end.specific_volume - 1.0, void_ratio_0), count);
-    store_lanes(eps + first, simd::select(end.done, end.eps_q, eps_0), count);
-    if (simd::all(end.done)) continue;
-    for (std::size_t lane = 0; lane < simd::lanes && lane < count; ++lane)
-      if (!end.done[lane]) update_alone(batch, first + lane);
+  SandBlock particles(batch, m_cohesion_shift);
+  for (std::size_t p = 0; p < batch.size; p += SandPackIntegrator::block * simd::lanes) {
+    particles.load(p);
+    particles.advance(integrator);
+    particles.store([&](std::size_t left) { update_alone(batch, left); });
   }
 }
 

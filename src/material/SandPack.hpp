@@ -1,18 +1,13 @@
 #pragma once
 
+#include <span>
+
+#include "DeviatorPlane.hpp"
 #include "SandFlow.hpp"
 #include "mpm/core/Simd.hpp"
 #include "mpm/material/LoadingSurface.hpp"
 
 namespace mpm::material {
-
-/// What a step needs to know of the old stress deviator s and the strain deviator e of four
-/// particles. Every deviator on the way is a s + b e, and so these seven numbers do for any number
-/// of components.
-struct DeviatorPlane {
-  simd::Pack s_s, s_e, e_e;                 ///< s : s and so on
-  simd::Pack det_s, turn_s, turn_e, det_e;  ///< det s, cof(s) : e, cof(e) : s, det e
-};
 
 /// Four sands and their strain increments; compression positive but for the deviators.
 struct SandPack {
@@ -21,30 +16,57 @@ struct SandPack {
   DeviatorPlane plane;
 };
 
-/// The end of a step: the deviator is `of_stress` s + `of_strain` e. Where `done` is not set the
-/// rest means nothing.
+/// The end of a step: the deviator is a s + b e. Where `done` is not set the rest means nothing.
 struct SandPackEnd {
   simd::Pack p_star, eps_q, specific_volume;
-  simd::Pack of_stress, of_strain;
+  simd::Pack a, b;
   simd::Mask done;
 };
 
-/// Four particles through one step, where one part will do: a plastic one, within the tolerance,
-/// or an elastic one that ends inside the surface. It is the same step that SandIntegrator takes
-/// then, to round-off; all else is left to it.
+/// Takes four particles at a time through the steps that nearly all are: a plastic one that is
+/// accurate enough in one part, or an elastic one that ends inside the surface. It is the step that
+/// SandIntegrator takes then, with the same measure of error, to 1e-10 p*. Anything else, be it at
+/// the floor, out of the surface or on no surface at all, is left to SandIntegrator.
 ///
-/// No lane looks at another one: a particle's bits are the same in any lane and company.
+/// No lane looks at another one: a particle's bits are the same in any lane and any company, which
+/// change with the number of ranks and with sorting.
 class SandPackIntegrator {
  public:
   SandPackIntegrator(const LoadingSurface& surface, const SandParameters& sand)
-      : m_surface(surface), m_floor(sand.pressure_floor), m_tolerance(sand.tolerance) {}
+      : m_surface(surface),
+        m_lowest(sand.pressure_floor * (1.0 + 1e-9)),
+        m_tolerance(sand.tolerance) {}
 
-  /// Not inlined, so that there is but one version of its arithmetic.
-  [[gnu::noinline]] void advance(const SandPack& y, SandPackEnd& end) const;
+  /// Packs that go through the stages of a step side by side. One alone would mostly wait for its
+  /// own roots and quotients, each of which needs the one before.
+  static constexpr std::size_t block = 4;
+
+  /// At most `block` packs.
+  void advance(std::span<const SandPack> y, std::span<SandPackEnd> end) const;
 
  private:
+  struct View;
+  struct Trial;
+  struct Correction;
+  using Factors = SurfaceFactors<simd::Pack>;
+  using Point = SurfacePointOf<simd::Pack>;
+  using State = SurfaceStateOf<simd::Pack>;
+
+  bool none_can(std::span<const SandPack> y) const;
+  SandFlow<simd::Pack> flow_at(const SandPack& y, const State& state, const View& v,
+                               const Point& point) const;
+  Trial predict(const SandPack& y, const View& v, const Point& point) const;
+  simd::Mask can_go_on(const SandPack& y, const View& v, const Point& point,
+                       const Trial& trial) const;
+  Correction correct(const SandPack& y, const Trial& trial, const View& v,
+                     const Point& point) const;
+  SandPackEnd finish(const SandPack& y, const Trial& trial, const Correction& corrected,
+                     const Factors& factors) const;
+  simd::Pack qhat_at(const SandPack& y, const Trial& trial, const Correction& corrected,
+                     simd::Pack sin3theta, const Factors& factors) const;
+
   const LoadingSurface& m_surface;
-  double m_floor;
+  double m_lowest;  ///< Pa, above the floor by round-off
   double m_tolerance;
 };
 

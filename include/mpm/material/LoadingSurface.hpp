@@ -171,10 +171,10 @@ class LoadingSurface {
            (simd::abs(change.eps_q) * m_inverse_eps_r <= limit);
   }
 
-  /// D of Eq. 17 at the stress ratio eta = q/p*.
+  /// D p* with D of Eq. 17, Pa.
   template <class Real>
-  Real dilatancy(const SurfacePointOf<Real>& point, Real eta) const {
-    return point.A - m_d0 * point.inverse_M * eta;
+  Real dilatancy_stress(const SurfacePointOf<Real>& point, Real p_star, Real q) const {
+    return point.A * p_star - m_d0 * point.inverse_M * q;
   }
 
   template <class Real>

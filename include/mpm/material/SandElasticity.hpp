@@ -23,11 +23,16 @@ class SandElasticity {
     return m_G_of_root * simd::sqrt(p_star);
   }
 
-  /// K = (1 + e0) p*/kappa, or Eq. 24 in the power form, Pa.
+  /// K/p* with K = (1 + e0) p*/kappa, or Eq. 24 in the power form.
+  template <class Real>
+  Real stiffness(Real p_star) const {
+    if (!m_power_form) return simd::splat<Real>(m_stiffness);
+    return m_power_stiffness / m_xi * simd::pow(p_star, -m_xi);
+  }
+  /// K, Pa.
   template <class Real>
   Real bulk_modulus(Real p_star) const {
-    if (!m_power_form) return m_stiffness * p_star;
-    return m_power_stiffness / m_xi * simd::pow(p_star, 1.0 - m_xi);
+    return stiffness(p_star) * p_star;
   }
 
   /// The end of an elastic path on which strain grows in proportion.
@@ -43,15 +48,15 @@ class SandElasticity {
     if (m_power_form) return follow_power(p_star, volumetric_strain);
     const double half = 0.5 * m_stiffness * volumetric_strain;
     const double ratio = std::abs(half) > 1e-8 ? std::expm1(half) / half : 1.0 + 0.5 * half;
-    return grown(p_star, half, ratio);
+    return grown(p_star, shear_modulus(p_star), half, ratio);
   }
 
-  /// The same for |K volumetric_strain| <= p* simd::small_limit.
+  /// The same from G at the start, for |K volumetric_strain| <= p* simd::small_limit.
   template <class Real>
-  PathEndOf<Real> follow_little(Real p_star, Real volumetric_strain) const {
+  PathEndOf<Real> follow_little(Real p_star, Real G, Real volumetric_strain) const {
     if (m_power_form) return follow_power(p_star, volumetric_strain);
     const Real half = 0.5 * m_stiffness * volumetric_strain;
-    return grown(p_star, half, simd::small_expm1_ratio(half));
+    return grown(p_star, G, half, simd::small_expm1_ratio(half));
   }
 
   /// Elastic volumetric strain (negative) that lowers p* to the floor.
@@ -63,9 +68,9 @@ class SandElasticity {
  private:
   /// Half of the growth of ln p* and (exp(half) - 1)/half: sqrt(p*) grows to exp(half) of itself.
   template <class Real>
-  PathEndOf<Real> grown(Real p_star, Real half, Real ratio) const {
+  PathEndOf<Real> grown(Real p_star, Real G, Real half, Real ratio) const {
     const Real growth = 1.0 + half * ratio;
-    return {p_star * growth * growth, shear_modulus(p_star) * ratio};
+    return {p_star * growth * growth, G * ratio};
   }
 
   /// Eq. 24 makes y = p*^xi linear in strain; G grows like y^n.
