@@ -10,8 +10,8 @@ using simd::select;
 
 namespace {
 
-/// Distance from Euler, relative to the stress, up to which the surface is taken to first order
-/// from the Euler point; what is left out is of the square of this.
+/// Distance from Euler, relative to the stress deviator, up to which the surface is taken to first
+/// order from the Euler point; what is left out is of the square of this.
 constexpr double first_order = 3e-6;
 
 Pack clamp_sine(Pack x) {
@@ -146,7 +146,7 @@ inline SandPackEnd SandPackIntegrator::finish(const SandPack& y, const Trial& tr
                         (p > m_lowest) & (v.q > vanishing_ratio * p);
 
   Pack qhat = corrected.qhat + corrected.T * (v.sin3theta - corrected.sin3theta);
-  const Mask far = plastic & (difference > first_order * first_order * size);
+  const Mask far = plastic & (difference > first_order * first_order * deviator.square);
   if (simd::any(far)) qhat = select(far, qhat_at(y, trial, corrected, v.sin3theta, factors), qhat);
   const Pack scale = qhat * v.inverse_q;
   return {select(plastic, p, trial.p_star),

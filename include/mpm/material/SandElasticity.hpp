@@ -81,13 +81,13 @@ class SandElasticity {
     const Real y0 = simd::pow(p_star, m_xi);
     const Real change = m_power_stiffness * volumetric_strain;
     const Real y1 = simd::max(y0 + change, Real{});  // 0: down to no pressure
-    const Real root1 = simd::select(y1 > 0.0, simd::pow(y1, n), Real{});
+    const Real root1 = simd::select(y1 <= 0.0, Real{}, simd::pow(y1, n));
     const auto little = simd::abs(change) < 1e-3 * y0;
     const Real simpson = (root0 + 4.0 * simd::pow(y0 + 0.5 * change, n) + root1) / 6.0;
     const Real integral =
         (y1 * root1 - y0 * root0) / ((n + 1.0) * simd::select(little, y0, change));
     return {root1 * root1,
-            m_G_of_root * simd::select(y1 > 0.0, simd::select(little, simpson, integral), Real{})};
+            m_G_of_root * simd::select(y1 <= 0.0, Real{}, simd::select(little, simpson, integral))};
   }
 
   double m_G_of_root;
