@@ -43,4 +43,9 @@ inline simd::Pack trace(const PackTensor& a) {
   return a[0] + a[1] + a[2];
 }
 
+/// a : b.
+inline simd::Pack contract(const PackTensor& a, const PackTensor& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
+}
+
 }  // namespace mpm::material
