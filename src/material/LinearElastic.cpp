@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "mpm/core/Errors.hpp"
+#include "mpm/material/PackTensor.hpp"
 
 namespace mpm::material {
 
@@ -21,8 +22,10 @@ LinearElastic::LinearElastic(const LinearElasticParameters& parameters, std::str
 }
 
 void LinearElastic::update_stress(const Batch& batch) const {
-  for (std::size_t p = 0; p < batch.size; ++p)
-    batch.stress.store(p, batch.stress.load(p) + stress_increment(batch.strain_increment.load(p)));
+  for (std::size_t p = 0; p < batch.size; p += simd::lanes) {
+    const std::size_t count = batch.size - p;
+    store_lanes(batch.stress, p, count, trial_stress(batch, p, count));
+  }
 }
 
 void LinearElastic::wave_modulus(const Batch& batch, std::span<double> modulus) const {

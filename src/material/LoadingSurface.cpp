@@ -7,6 +7,7 @@ LoadingSurface::LoadingSurface(const SandParameters& sand)
       m_root0((1.0 + sand.c * sand.c) * (1.0 + sand.c * sand.c)),
       m_root1(4.0 * sand.c * (1.0 - sand.c * sand.c)),
       m_g0(sand.Mc * 2.0 * sand.c * (1.0 + sand.c)),
+      m_inverse_g0(1.0 / m_g0),
       m_g1(1.0 + sand.c * sand.c),
       m_e_Gamma(sand.e_Gamma),
       m_lambda_c(sand.lambda_c),

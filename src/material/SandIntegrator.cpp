@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "SandFlow.hpp"
+
 namespace mpm::material {
 
 namespace {
 
 constexpr int max_passes = 100'000;
-constexpr double surface_tolerance = 1e-8;    // of p*
-constexpr double smallest_part = 1e-12;       // of the increment
-constexpr double vanishing_ratio = 1e-9;      // q/p* below which s has no direction
-constexpr double largest_elastic_part = 0.5;  // relative change of stress between surface checks
+constexpr double smallest_part = 1e-12;  // of the increment
 
 double deviatoric_stress(const SymmetricTensor& s) {
   return std::sqrt(1.5 * contract(s, s));
@@ -102,32 +101,14 @@ double SandIntegrator::lode_rate(const View& v, const SandStrain& d, double deps
   return v.point.G / v.q * (turn - 9.0 * v.arguments.sin3theta * deps_q);
 }
 
-/// Eq. 23 and the increments that follow from it, for the whole strain increment.
+/// The increments that follow from Eq. 23, for the whole strain increment.
 SandIntegrator::Rates SandIntegrator::rates(const View& v, const SandStrain& d) const {
-  const auto [C, E, F, T] = m_surface.slopes(v.arguments, v.point);
-  const double p_star = v.arguments.p_star;
-  const double G = v.point.G;
-  const double K = m_surface.elasticity().bulk_modulus(p_star);
-  const double D = m_surface.dilatancy(v.point, v.q / p_star);
-  const double deps_v = d.volumetric;
   const double deps_q = contract(v.direction, d.deviatoric);
-
-  // The excess of an elastic step over the surface at constant eps_q.
-  const double specific_volume = 1.0 + v.arguments.void_ratio;
-  const double X =
-      3.0 * G * deps_q - (C * K - E * specific_volume) * deps_v - T * lode_rate(v, d, deps_q);
-  // eps_q grows only: letting it shrink where q falls would ratchet.
-  double growth = std::max(deps_q, 0.0);
-  double lambda = (X - F * growth) / std::max(3.0 * G - C * K * D, 1e-3 * G);
-  const bool loading = lambda > 0.0 || X > 0.0;
-  if (!(lambda > 0.0)) {
-    // Nearly isotropic compression leaves the surface with lambda < 0: the strain is elastic and
-    // eps_q follows so that q stays on the surface.
-    lambda = 0.0;
-    growth = X > 0.0 ? X / F : 0.0;
-  }
-  return {K * (deps_v - D * lambda), 2.0 * G * d.deviatoric + (-3.0 * G * lambda) * v.direction,
-          growth, loading};
+  const SandFlow<double> flow = sand_flow(m_surface, v.arguments, v.point, v.q,
+                                          {d.volumetric, deps_q, lode_rate(v, d, deps_q)});
+  const double G = v.point.G;
+  return {flow.p_star, 2.0 * G * d.deviatoric + (-3.0 * G * flow.lambda) * v.direction, flow.eps_q,
+          flow.loading};
 }
 
 SandPoint SandIntegrator::elastic_path(const SandPoint& y, const SandStrain& d, double part) const {

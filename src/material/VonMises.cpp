@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "mpm/core/Errors.hpp"
+#include "mpm/material/PackTensor.hpp"
 #include "mpm/options/OptionSet.hpp"
 
 namespace mpm::material {
@@ -34,18 +35,23 @@ std::span<const StateVariable> VonMises::state_variables() const {
 }
 
 void VonMises::update_stress(const Batch& batch) const {
-  double* const plastic_strain = batch.state[0];
   const double G3 = 3.0 * m_elastic.shear_modulus();
-  for (std::size_t p = 0; p < batch.size; ++p) {
-    SymmetricTensor stress =
-        batch.stress.load(p) + m_elastic.stress_increment(batch.strain_increment.load(p));
-    const SymmetricTensor s = deviator(stress);
-    const double q = equivalent_stress(s);
-    if (q > m_yield_stress) {
-      stress += (m_yield_stress / q - 1.0) * s;
-      plastic_strain[p] += (q - m_yield_stress) / G3;
+  for (std::size_t p = 0; p < batch.size; p += simd::lanes) {
+    const std::size_t count = batch.size - p;
+    PackTensor stress = m_elastic.trial_stress(batch, p, count);
+    PackTensor s = stress;
+    const simd::Pack mean = trace(stress) * (1.0 / 3.0);
+    for (int k = 0; k < 3; ++k) s[k] -= mean;
+    const simd::Pack q = simd::sqrt(1.5 * contract(s, s));
+    const simd::Mask yields = q > m_yield_stress;
+    if (simd::any(yields)) {
+      const simd::Pack part = simd::select(yields, m_yield_stress / q - 1.0, simd::Pack{});
+      for (int k = 0; k < SymmetricTensor::size; ++k) stress[k] += part * s[k];
+      double* const plastic_strain = batch.state[0] + p;
+      const simd::Pack more = simd::select(yields, (q - m_yield_stress) / G3, simd::Pack{});
+      store_lanes(plastic_strain, load_lanes(plastic_strain, count) + more, count);
     }
-    batch.stress.store(p, stress);
+    store_lanes(batch.stress, p, count, stress);
   }
 }
 

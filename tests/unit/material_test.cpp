@@ -26,7 +26,7 @@ LinearElastic elastic() {
 // Linear elasticity ------------------------------------------------------------------------------
 
 TEST(LinearElastic, adds_hookes_law_to_the_stress_of_every_particle) {
-  constexpr std::size_t size = 3;
+  constexpr std::size_t size = 6;
   std::array<std::array<double, size>, 6> strain{}, stress{};
   Batch batch;
   batch.size = size;

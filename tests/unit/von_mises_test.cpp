@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -183,6 +184,42 @@ TEST(VonMises, hands_on_what_is_not_a_number) {
 
 // The start and the options
 // ------------------------------------------------------------------------
+
+TEST(VonMises, gives_the_same_bits_in_a_batch_of_any_size) {
+  constexpr std::size_t most = 9;
+  std::array<std::array<double, most>, 6> strain{}, start{};
+  std::mt19937 generator(31);
+  std::normal_distribution<double> normal;
+  for (std::size_t k = 0; k < 6; ++k)
+    for (std::size_t p = 0; p < most; ++p) {
+      strain[k][p] = 1e-3 * normal(generator);
+      start[k][p] = 0.4 * c * normal(generator);
+    }
+  const auto update = [&](std::size_t first, std::size_t size, auto& stress, auto& plastic) {
+    Batch batch;
+    batch.size = size;
+    for (std::size_t k = 0; k < 6; ++k) {
+      batch.strain_increment.component[k] = &strain[k][first];
+      batch.stress.component[k] = &stress[k][first];
+    }
+    batch.state = {&plastic[first]};
+    law.update_stress(batch);
+  };
+  auto alone = start;
+  std::array<double, most> plastic_alone{};
+  for (std::size_t p = 0; p < most; ++p) update(p, 1, alone, plastic_alone);
+  for (std::size_t size = 1; size <= most; ++size) {
+    auto together = start;
+    std::array<double, most> plastic{};
+    update(0, size, together, plastic);
+    for (std::size_t p = 0; p < most; ++p) {
+      EXPECT_EQ(plastic[p], p < size ? plastic_alone[p] : 0.0);
+      for (std::size_t k = 0; k < 6; ++k)
+        EXPECT_EQ(together[k][p], (p < size ? alone : start)[k][p]) << size;
+    }
+  }
+  EXPECT_GT(std::ranges::count_if(plastic_alone, [](double x) { return x > 0.0; }), 2);
+}
 
 TEST(VonMises, starts_from_every_stress_that_it_carries_and_no_other) {
   SymmetricTensor stress{{-20e3, -20e3, -20e3 - yield_stress, 0, 0, 0}};

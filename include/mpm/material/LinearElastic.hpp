@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "mpm/material/Material.hpp"
+#include "mpm/material/PackTensor.hpp"
 
 namespace mpm::material {
 
@@ -35,6 +36,17 @@ class LinearElastic : public Material {
   SymmetricTensor stress_increment(const SymmetricTensor& strain) const {
     SymmetricTensor stress = 2.0 * m_mu * strain;
     const double isotropic = m_lambda * trace(strain);
+    for (int k = 0; k < 3; ++k) stress[k] += isotropic;
+    return stress;
+  }
+
+  /// The stress after an elastic increment of the particles of a batch from p on, `count` of which
+  /// are left.
+  PackTensor trial_stress(const Batch& batch, std::size_t p, std::size_t count) const {
+    PackTensor stress = load_lanes(batch.stress, p, count);
+    const PackTensor strain = load_lanes(batch.strain_increment, p, count);
+    const simd::Pack isotropic = m_lambda * trace(strain);
+    for (int k = 0; k < SymmetricTensor::size; ++k) stress[k] += 2.0 * m_mu * strain[k];
     for (int k = 0; k < 3; ++k) stress[k] += isotropic;
     return stress;
   }

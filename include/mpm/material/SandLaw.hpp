@@ -44,6 +44,8 @@ class SandLaw : public Material {
   double strain_on_surface(SurfaceState y, double q) const;
 
  private:
+  void update_alone(const Batch& batch, std::size_t i) const;
+
   SandParameters m_sand;
   LoadingSurface m_surface;
   double m_cohesion_shift;
