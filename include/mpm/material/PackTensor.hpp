@@ -17,10 +17,10 @@ struct PackTensor {
 
 /// `count` numbers, at most four of which fill a pack; the last one is repeated in lanes without.
 inline simd::Pack load_lanes(const double* from, std::size_t count) {
-  return count >= simd::lanes ? simd::load(from) : simd::load_first(from, static_cast<int>(count));
+  return simd::load(from, count < simd::lanes ? static_cast<int>(count) : simd::lanes);
 }
 inline void store_lanes(double* to, simd::Pack x, std::size_t count) {
-  count >= simd::lanes ? simd::store(to, x) : simd::store_first(to, x, static_cast<int>(count));
+  simd::store(to, x, count < simd::lanes ? static_cast<int>(count) : simd::lanes);
 }
 
 /// Of the particles from p on, `count` of which are left.
