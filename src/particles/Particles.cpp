@@ -215,10 +215,10 @@ void Particles<dim>::sort() {
 }
 
 template <int dim>
-material::Batch Particles<dim>::batch_of(const ParticleView<dim>& particles, int material) const {
-  const Range range = range_of(material);
+material::Batch Particles<dim>::batch_of(const ParticleView<dim>& particles, int material,
+                                         const Range& range) const {
   material::Batch batch;
-  batch.size = static_cast<std::size_t>(range.last - range.first);
+  batch.size = static_cast<std::size_t>(range.size());
   for (std::size_t k = 0; k < particles.stress.size(); ++k)
     if (particles.stress[k] != nullptr)
       batch.stress.component[k] = particles.stress[k] + range.first;

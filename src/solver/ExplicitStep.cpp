@@ -129,30 +129,71 @@ void ExplicitStep<dim, Basis>::take_deposited_velocities() {
   m_remapped.copy_to_ghosts();
 }
 
+namespace {
+
+/// Particles from gathering to their new stress: what they need stays in the first cache.
+constexpr int block_size = 256;
+
+void add(const StepReport& part, StepReport& whole) {
+  whole.must_migrate |= part.must_migrate;
+  if (part.broken_particle >= 0) whole.broken_particle = part.broken_particle;
+}
+
+}  // namespace
+
 template <int dim, class Basis>
 StepReport ExplicitStep<dim, Basis>::strain_and_move(
     const View& particles, const transfer::AdvanceTimes& dt,
     const transfer::NodalVector<dim>& strain_velocity, const StepOptions<dim>& options) {
-  const transfer::VelocityAcceleration<dim> rates(m_rates);
-  const bool averages = options.averages_volume && dt.strain > 0.0;
-  const auto gather = [&](const transfer::AdvanceTimes& times) {
-    const petsc::Phase phase("mpm: strain and move");
-    return transfer::gather_increments_and_move<dim, Basis>(
-        particles, stencil(), times, rates, strain_velocity, m_parts.grid, m_increments);
-  };
-  // Averaging needs the old positions, so the motion waits.
-  transfer::Drift drift = gather(averages ? transfer::AdvanceTimes{dt.strain, 0.0} : dt);
-  if (averages) average_volume_change(particles);
-  int broken = -1;
-  if (dt.strain > 0.0) broken = update_stress(particles);
-  if (averages && dt.move > 0.0) drift = gather({.strain = 0.0, .move = dt.move});
-  StepReport report{drift.must_migrate, drift.lost >= 0 ? drift.lost : broken};
+  StepReport report;
+  if (options.averages_volume && dt.strain > 0.0) {
+    report = strain_with_averages_and_move(particles, dt, strain_velocity);
+  } else {
+    for (int first = 0; first < particles.count; first += block_size) {
+      const int last = std::min(first + block_size, particles.count);
+      add(strain_and_move_block(particles, {first, last}, dt, strain_velocity), report);
+    }
+  }
   if (dt.move > 0.0 && !m_parts.boundary.is_empty())
-    report.must_migrate |=
-        transfer::move_surface<dim, Basis>(m_parts.boundary.view(), m_parts.grid, stencil(),
-                                           dt.move, rates, strain_velocity)
-            .must_migrate;
+    report.must_migrate |= transfer::move_surface<dim, Basis>(
+                               m_parts.boundary.view(), m_parts.grid, stencil(), dt.move,
+                               transfer::VelocityAcceleration<dim>(m_rates), strain_velocity)
+                               .must_migrate;
   return report;
+}
+
+template <int dim, class Basis>
+transfer::Drift ExplicitStep<dim, Basis>::gather(
+    const View& particles, const particles::Range& range, const transfer::AdvanceTimes& dt,
+    const transfer::NodalVector<dim>& strain_velocity) {
+  const petsc::Phase phase("mpm: strain and move");
+  return transfer::gather_increments_and_move<dim, Basis>(
+      particles, range, stencil(), dt, transfer::VelocityAcceleration<dim>(m_rates),
+      strain_velocity, m_parts.grid, m_increments);
+}
+
+template <int dim, class Basis>
+StepReport ExplicitStep<dim, Basis>::strain_and_move_block(
+    const View& particles, const particles::Range& block, const transfer::AdvanceTimes& dt,
+    const transfer::NodalVector<dim>& strain_velocity) {
+  const transfer::Drift drift = gather(particles, block, dt, strain_velocity);
+  const int broken = dt.strain > 0.0 ? update_stress(particles) : -1;
+  return {drift.must_migrate, drift.lost >= 0 ? drift.lost : broken};
+}
+
+/// Averaging needs the old positions of all particles, so the motion waits.
+template <int dim, class Basis>
+StepReport ExplicitStep<dim, Basis>::strain_with_averages_and_move(
+    const View& particles, const transfer::AdvanceTimes& dt,
+    const transfer::NodalVector<dim>& strain_velocity) {
+  const particles::Range all{0, particles.count};
+  transfer::Drift drift =
+      gather(particles, all, {.strain = dt.strain, .move = 0.0}, strain_velocity);
+  average_volume_change(particles);
+  const int broken = update_stress(particles);
+  if (dt.move > 0.0)
+    drift = gather(particles, all, {.strain = 0.0, .move = dt.move}, strain_velocity);
+  return {drift.must_migrate, drift.lost >= 0 ? drift.lost : broken};
 }
 
 template <int dim, class Basis>
@@ -269,9 +310,10 @@ namespace {
 
 /// A particle whose stress is not finite, or -1.
 template <int dim>
-int find_broken_stress(const particles::ParticleView<dim>& view) {
+int find_broken_stress(const particles::ParticleView<dim>& view, const particles::Range& range) {
   int broken = -1;
-  simd::for_each_group(view.count, [&](int first, int n) {
+  simd::for_each_group(range.size(), [&](int offset, int n) {
+    const int first = range.first + offset;
     simd::Pack sum{};
     for (int c = 0; c < tensor_components<dim>; ++c) sum += simd::load(view.stress[c] + first, n);
     const simd::Mask finite = sum - sum == 0.0;
@@ -284,22 +326,25 @@ int find_broken_stress(const particles::ParticleView<dim>& view) {
 
 }  // namespace
 
-/// Turns stresses with their particles and calls the laws, each on its own particles. Returns one
-/// whose stress is not finite, or -1.
+/// Turns the stresses that the increments cover with their particles and calls the laws, each on
+/// its own particles. Returns one whose stress is not finite, or -1.
 template <int dim, class Basis>
-int ExplicitStep<dim, Basis>::update_stress(const particles::ParticleView<dim>& view) {
+int ExplicitStep<dim, Basis>::update_stress(const View& view) {
   const petsc::Phase phase("mpm: stress");
   transfer::rotate_and_expand(view, m_increments);
+  const particles::Range& range = m_increments.range;
   for (std::size_t k = 0; k < m_parts.particles.materials().size(); ++k) {
     const auto material = static_cast<int>(k);
-    material::Batch batch = m_parts.particles.batch_of(view, material);
+    const auto part = intersection(range, m_parts.particles.range_of(material));
+    if (part.size() == 0) continue;
+    material::Batch batch = m_parts.particles.batch_of(view, material, part);
     for (std::size_t c = 0; c < m_increments.strain.size(); ++c)
       if (!m_increments.strain[c].empty())
         batch.strain_increment.component[c] =
-            m_increments.strain[c].data() + m_parts.particles.range_of(material).first;
+            m_increments.strain[c].data() + (part.first - range.first);
     m_parts.particles.materials()[k]->update_stress(batch);
   }
-  return find_broken_stress(view);
+  return find_broken_stress<dim>(view, range);
 }
 
 namespace {

@@ -52,7 +52,15 @@ class ExplicitStep : public Step<dim> {
   void apply_damping(double damping, double dt);
   void compute_velocity_and_acceleration();
   void constrain_remapped_momentum();
-  int update_stress(const View& view);
+  int update_stress(const View& particles);
+  transfer::Drift gather(const View& particles, const particles::Range& range,
+                         const transfer::AdvanceTimes& dt,
+                         const transfer::NodalVector<dim>& strain_velocity);
+  StepReport strain_and_move_block(const View& particles, const particles::Range& block,
+                                   const transfer::AdvanceTimes& dt,
+                                   const transfer::NodalVector<dim>& strain_velocity);
+  StepReport strain_with_averages_and_move(const View& particles, const transfer::AdvanceTimes& dt,
+                                           const transfer::NodalVector<dim>& strain_velocity);
   /// Replaces the volume change of every particle by the mean over its surroundings. Collective.
   void average_volume_change(const View& particles);
   /// Nodal mass before anything else, for bases whose gradient depends on it. Collective.

@@ -77,12 +77,14 @@ std::vector<grid::Component> NodalVector<dim>::components() {
   return components;
 }
 
-void Increments::resize(std::size_t particles, int dim) {
-  const int tensor = dim == 1 ? tensor_components<1> : tensor_components<2>;
-  for (int k = 0; k < (dim == 3 ? tensor_components<3> : tensor); ++k)
-    strain[static_cast<std::size_t>(k)].resize(particles, 0.0);
-  for (int k = 0; k < (dim == 3 ? 3 : dim - 1); ++k)
-    spin[static_cast<std::size_t>(k)].resize(particles, 0.0);
+void Increments::cover(const particles::Range& particles, int dim) {
+  range = particles;
+  const auto count = static_cast<std::size_t>(range.size());
+  const int components = dim == 1   ? tensor_components<1>
+                         : dim == 2 ? tensor_components<2>
+                                    : tensor_components<3>;
+  for (int k = 0; k < components; ++k) strain[k].resize(count, 0.0);
+  for (int k = 0; k < (dim == 3 ? 3 : dim - 1); ++k) spin[k].resize(count, 0.0);
 }
 
 template <int dim, class Basis>
@@ -225,10 +227,10 @@ struct GatheredMotion {
 
 /// D dt and W dt of four particles from their velocity gradients.
 template <int dim>
-void store_increments(const GatheredMotion<dim>& motion, double dt, int first, int n,
+void store_increments(const GatheredMotion<dim>& motion, double dt, int offset, int n,
                       Increments& increments) {
   const auto store = [&](std::vector<double>& column, Pack value) {
-    simd::store(column.data() + first, value * dt, n);
+    simd::store(column.data() + offset, value * dt, n);
   };
   std::array<PackVector<dim>, dim> L;
   for (int i = 0; i < dim; ++i)
@@ -250,14 +252,16 @@ void store_increments(const GatheredMotion<dim>& motion, double dt, int first, i
 
 template <int dim, class Basis>
 Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
-                                 Stencil<dim, Basis> stencil, const AdvanceTimes& dt,
-                                 VelocityAcceleration<dim> nodes, NodalVector<dim> strain_velocity,
-                                 const grid::Grid<dim>& grid, Increments& increments) {
+                                 const particles::Range& range, Stencil<dim, Basis> stencil,
+                                 const AdvanceTimes& dt, VelocityAcceleration<dim> nodes,
+                                 NodalVector<dim> strain_velocity, const grid::Grid<dim>& grid,
+                                 Increments& increments) {
   Drift drift;
-  increments.resize(static_cast<std::size_t>(particles.count), dim);
+  increments.cover(range, dim);
   const grid::Box<dim> everywhere = grid.all_cells();
   const grid::CellSet<dim>& active = grid.active_cells();
-  simd::for_each_group(particles.count, [&](int first, int n) {
+  simd::for_each_group(range.size(), [&](int offset, int n) {
+    const int first = range.first + offset;
     GatheredMotion<dim> motion;
     std::array<std::array<int, dim>, simd::lanes> old_cell;
     for (int lane = 0; lane < n; ++lane) {
@@ -283,7 +287,7 @@ Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
       simd::store(x, simd::load(x, n) + change, n);
       simd::store(u, simd::load(u, n) + change, n);
     }
-    store_increments<dim>(motion, dt.strain, first, n, increments);
+    store_increments<dim>(motion, dt.strain, offset, n, increments);
     for (int lane = 0; lane < n; ++lane) {
       const Vector<dim> x = particles.position_of(first + lane);
       if (stencil.holds(old_cell[lane], x)) continue;
@@ -399,14 +403,15 @@ Pack deviatoric_strain(const std::array<Pack, tensor_components<dim>>& e, Pack v
 template <int dim>
 void rotate_and_expand(const particles::ParticleView<dim>& particles,
                        const Increments& increments) {
-  simd::for_each_group(particles.count, [&](int first, int n) {
+  simd::for_each_group(increments.range.size(), [&](int offset, int n) {
+    const int first = increments.range.first + offset;
     constexpr int components = tensor_components<dim>;
     std::array<Pack, components> e, s;
     for (int k = 0; k < components; ++k) {
-      e[k] = simd::load(increments.strain[k].data() + first, n);
+      e[k] = simd::load(increments.strain[k].data() + offset, n);
       s[k] = simd::load(particles.stress[k] + first, n);
     }
-    const auto spin = [&](int k) { return simd::load(increments.spin[k].data() + first, n); };
+    const auto spin = [&](int k) { return simd::load(increments.spin[k].data() + offset, n); };
     if constexpr (dim == 2) rotate_in_plane(spin(0), s[0], s[1], s[3]);
     if constexpr (dim == 3) rotate(rotation(spin(0), spin(1), spin(2)), s);
     if constexpr (dim > 1)
@@ -442,8 +447,9 @@ void rotate_and_expand(const particles::ParticleView<dim>& particles,
   template void replace_volume_change<dim, Basis>(                                                 \
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, const double*, Increments&);       \
   template Drift gather_increments_and_move<dim, Basis>(                                           \
-      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const AdvanceTimes&,               \
-      VelocityAcceleration<dim>, NodalVector<dim>, const grid::Grid<dim>&, Increments&);
+      const particles::ParticleView<dim>&, const particles::Range&, Stencil<dim, Basis>,           \
+      const AdvanceTimes&, VelocityAcceleration<dim>, NodalVector<dim>, const grid::Grid<dim>&,    \
+      Increments&);
 #define MPM_INSTANTIATE_FOR_DIMENSION(dim)   \
   template struct MassMomentumForce<dim>;    \
   template struct VelocityAcceleration<dim>; \

@@ -123,7 +123,7 @@ void compare_sweeps(double flip_share) {
   expect_same<dim>(f.velocity, g.velocity, f.count);
 
   Increments increments;
-  gather_increments_and_move<dim, Basis>(f, stencil, {.strain = dt, .move = dt},
+  gather_increments_and_move<dim, Basis>(f, {0, f.count}, stencil, {.strain = dt, .move = dt},
                                          VelocityAcceleration<dim>(fast.rates),
                                          NodalVector<dim>(fast.remapped), fast.grid, increments);
   const auto L = reference.strain_and_move(g, dt, VelocityAcceleration<dim>(plain.rates),
@@ -194,7 +194,7 @@ void check_rotation() {
   World<dim, basis::BSpline<2>> world;
   const auto view = world.particles.view();
   Increments increments;
-  increments.resize(static_cast<std::size_t>(view.count), dim);
+  increments.cover({0, view.count}, dim);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-0.2, 0.2);
   std::vector<SymmetricTensor> expected;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -28,6 +29,18 @@ using Materials = std::vector<std::shared_ptr<const material::Material>>;
 struct OptionalColumns {
   bool velocity_gradient = false;  ///< of the particle's own motion, carried by affine transfers
 };
+
+/// The particles [first, last) of a rank.
+struct Range {
+  int first = 0;
+  int last = 0;
+
+  int size() const { return std::max(0, last - first); }
+};
+
+inline Range intersection(const Range& a, const Range& b) {
+  return {std::max(a.first, b.first), std::min(a.last, b.last)};
+}
 
 /// A particle to be made.
 template <int dim>
@@ -94,14 +107,14 @@ class Particles {
 
   ParticleView<dim> view() const { return {m_swarm, m_state_names, m_optional}; }
 
-  /// The particles [first, last) of a material after the last sort.
-  struct Range {
-    int first = 0;
-    int last = 0;
-  };
+  /// The particles of a material after the last sort.
   Range range_of(int material) const { return m_ranges[static_cast<std::size_t>(material)]; }
   /// Views of one material's stress and state; the strain increments are left to the caller.
-  material::Batch batch_of(const ParticleView<dim>& view, int material) const;
+  material::Batch batch_of(const ParticleView<dim>& view, int material) const {
+    return batch_of(view, material, range_of(material));
+  }
+  /// The same of a part of its particles.
+  material::Batch batch_of(const ParticleView<dim>& view, int material, const Range& part) const;
 
   /// Particles of all ranks in every cell of the grid. Collective.
   partition::CellWork<dim> count_in_cells() const;

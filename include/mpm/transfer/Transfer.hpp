@@ -52,12 +52,15 @@ struct NodalVector {
   std::array<double*, dim> value;
 };
 
-/// D dt per particle (tension positive) and the entries of the spin W dt: W_xy, W_yz, W_xz.
+/// D dt per particle (tension positive) and the entries of the spin W dt: W_xy, W_yz, W_xz. Number
+/// 0 is the first particle of the range.
 struct Increments {
+  particles::Range range;
   std::array<std::vector<double>, SymmetricTensor::size> strain;
   std::array<std::vector<double>, 3> spin;
 
-  void resize(std::size_t particles, int dim);
+  /// Makes room for these particles.
+  void cover(const particles::Range& particles, int dim);
 };
 
 /// Acceleration by body forces, m/s^2.
@@ -121,28 +124,31 @@ struct AdvanceTimes {
 };
 
 /// Strain and spin increments from `strain_velocity`, then x_p += sum v_I N_Ip dt from that of
-/// `nodes` (Eq. 8). Both use the weights of the old position. Reads ghosts of both.
+/// `nodes` (Eq. 8), for a range of the particles. Both use the weights of the old position. Reads
+/// ghosts of both.
 template <int dim, class Basis>
 Drift gather_increments_and_move(const particles::ParticleView<dim>& particles,
-                                 Stencil<dim, Basis> stencil, const AdvanceTimes& dt,
-                                 VelocityAcceleration<dim> nodes, NodalVector<dim> strain_velocity,
-                                 const grid::Grid<dim>& grid, Increments& increments);
+                                 const particles::Range& range, Stencil<dim, Basis> stencil,
+                                 const AdvanceTimes& dt, VelocityAcceleration<dim> nodes,
+                                 NodalVector<dim> strain_velocity, const grid::Grid<dim>& grid,
+                                 Increments& increments);
 
-/// Deposits V_p N_I and V_p tr(D dt) N_I. Ghosts are to be summed afterwards.
+/// Deposits V_p N_I and V_p tr(D dt) N_I of all particles. Ghosts are to be summed afterwards.
 template <int dim, class Basis>
 void deposit_volume_change(const particles::ParticleView<dim>& particles,
                            Stencil<dim, Basis> stencil, const Increments& increments,
                            double* volume, double* change);
 
-/// Gives every particle tr(D dt) = sum theta_I N_I instead of its own, keeping the deviator. Reads
-/// ghosts of `change`, theta_I.
+/// Gives every particle, all of which are covered, tr(D dt) = sum theta_I N_I instead of its own,
+/// keeping the deviator. Reads ghosts of `change`, theta_I.
 template <int dim, class Basis>
 void replace_volume_change(const particles::ParticleView<dim>& particles,
                            Stencil<dim, Basis> stencil, const double* change,
                            Increments& increments);
 
 /// sigma <- Q sigma Q^T with Q = (1 - W dt/2)^-1 (1 + W dt/2) (Hughes and Winget), which keeps
-/// the norm of the stress; V <- V exp(tr D dt); accumulates sqrt(2/3 e:e).
+/// the norm of the stress; V <- V exp(tr D dt); accumulates sqrt(2/3 e:e). For the particles that
+/// the increments cover.
 template <int dim>
 void rotate_and_expand(const particles::ParticleView<dim>& particles, const Increments& increments);
 
