@@ -145,6 +145,32 @@ std::vector<Run<dim>> runs_where(const Box<dim>& box, const Predicate& holds) {
   return runs;
 }
 
+/// Whether rows of nodes that a particle touches one after another, `stride` apart in y and z, have
+/// addresses that agree but for multiples of 4096 bytes. A processor takes a load from such an
+/// address for one of what it has just stored, and waits.
+template <int dim>
+bool has_aliases(const Box<dim>& box) {
+  constexpr int near = 64, page = 4096, rows = 3;
+  for (int j = dim > 1 ? -rows : 0; j <= (dim > 1 ? rows : 0); ++j)
+    for (int k = dim > 2 ? -rows : 0; k <= (dim > 2 ? rows : 0); ++k) {
+      std::ptrdiff_t nodes = 0;
+      if constexpr (dim > 1) nodes += j * box.stride(1);
+      if constexpr (dim > 2) nodes += k * box.stride(2);
+      const auto bytes = std::abs(nodes) * static_cast<std::ptrdiff_t>(sizeof(double));
+      const auto rest = bytes % page;
+      if (bytes > page - near && std::min(rest, page - rest) < near) return true;
+    }
+  return false;
+}
+
+/// A box of local arrays, longer by nodes that nobody uses where its rows would be aliases.
+template <int dim>
+Box<dim> without_aliases(Box<dim> box) {
+  constexpr int most = 32;  // boxes up to 400 by 400 rows need 21 at most
+  for (int added = 0; added < most && box.size() > 0 && has_aliases(box); ++added) ++box.end[0];
+  return box;
+}
+
 /// What lies in a box.
 template <int dim>
 std::vector<Run<dim>> cut(const std::vector<Run<dim>>& runs, const Box<dim>& box) {
@@ -195,7 +221,7 @@ void Grid<dim>::find_boxes() {
   for (const Box<dim>& cells : owned_boxes) {
     Box<dim> box = with_drift(cells, all_cells());
     for (int d = 0; d < dim && box.size() > 0; ++d) box.end[d] += m_nodes[d].support - 1;
-    m_ghosted_of.push_back(box);
+    m_ghosted_of.push_back(without_aliases(box));
   }
   m_ghosted = ghosted_nodes_of(m_rank);
   m_own_box = owned_boxes[static_cast<std::size_t>(m_rank)];
@@ -227,8 +253,10 @@ void Grid<dim>::find_runs() {
   m_local_runs = runs_where(m_ghosted, [&](int local, const Index&) {
     return touched[static_cast<std::size_t>(local)] != 0;
   });
-  m_owned_runs =
-      runs_where(m_ghosted, [&](int, const Index& node) { return rank_of_node(node) == m_rank; });
+  const Box<dim> nodes = all_nodes();
+  m_owned_runs = runs_where(m_ghosted, [&](int, const Index& node) {
+    return nodes.contains(node) && rank_of_node(node) == m_rank;
+  });
 }
 
 template <int dim>

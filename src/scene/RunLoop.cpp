@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpm/core/Simd.hpp"
 #include "mpm/petsc/Log.hpp"
 #include "mpm/petsc/Session.hpp"
 
@@ -99,6 +100,7 @@ void RunLoop<dim>::summarise(io::Summary& summary) const {
   const auto particles = static_cast<double>(m_simulation.particles().global_count());
   const double seconds = petsc::maximum(m_seconds_in_steps);
   summary.set("ranks", petsc::world_size());
+  summary.set("instruction_set", std::string(simd::instruction_set));
   summary.set("courant", m_options.courant());
   summary.set("cells", m_simulation.grid().global_cells());
   summary.set("particles", m_simulation.particles().global_count());

@@ -21,6 +21,17 @@ using Pack [[gnu::vector_size(pack_bytes)]] = double;
 /// What a comparison of packs gives: all bits of a lane set where it holds.
 using Mask [[gnu::vector_size(pack_bytes)]] = std::int64_t;
 
+/// What the library that says so is built for.
+#if defined(__AVX2__) && defined(__FMA__)
+inline constexpr const char* instruction_set = "AVX2 and FMA";
+#elif defined(__SSE2__)
+inline constexpr const char* instruction_set = "SSE2";
+#elif defined(__ARM_NEON)
+inline constexpr const char* instruction_set = "NEON";
+#else
+inline constexpr const char* instruction_set = "plain";
+#endif
+
 inline Pack broadcast(double x) {
   return Pack{x, x, x, x};
 }

@@ -63,6 +63,11 @@ class Grid {
     for (int d = 0; d < dim; ++d) cell[d] = m_nodes[d].lines.cell_of(x[d]);
     return cell;
   }
+  Box<dim> all_nodes() const {
+    Box<dim> box;
+    for (int d = 0; d < dim; ++d) box.end[d] = m_nodes[d].count();
+    return box;
+  }
   Box<dim> all_cells() const {
     Box<dim> box;
     for (int d = 0; d < dim; ++d) box.end[d] = m_nodes[d].lines.cells();
