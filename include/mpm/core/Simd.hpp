@@ -127,15 +127,21 @@ inline constexpr double integer_shift = 6755399441055744.0;  // 1.5 2^52
 inline constexpr double ln2_high = 0x1.62e42fefa0000p-1;     // exact times any exponent
 inline constexpr double ln2_low = 0x1.cf79abc9e3b3ap-40;
 
-inline Mask bits(Pack x) {
-  Mask m;
-  std::memcpy(&m, &x, sizeof m);
-  return m;
+/// Bits of doubles as whole numbers without sign, whose sums may wrap.
+using Bits [[gnu::vector_size(pack_bytes)]] = std::uint64_t;
+
+template <class To, class From>
+To same_bits(From from) {
+  static_assert(sizeof(To) == sizeof(From));
+  To to;
+  std::memcpy(&to, &from, sizeof to);
+  return to;
 }
-inline Pack from_bits(Mask m) {
-  Pack x;
-  std::memcpy(&x, &m, sizeof x);
-  return x;
+inline Bits bits(Pack x) {
+  return same_bits<Bits>(x);
+}
+inline Pack from_bits(Bits m) {
+  return same_bits<Pack>(m);
 }
 }  // namespace detail
 
@@ -167,8 +173,8 @@ inline double log(double x) {
 /// log m = 2 atanh((m - 1)/(m + 1)) by its power series.
 [[gnu::always_inline]] inline Pack log(Pack x) {
   using namespace detail;
-  constexpr std::int64_t half_root = 0x3fe6a09e667f3bcd;  // bits of sqrt(1/2)
-  const Mask k = (bits(x) - half_root) >> 52;
+  constexpr std::uint64_t half_root = 0x3fe6a09e667f3bcd;  // bits of sqrt(1/2)
+  const Bits k = same_bits<Bits>(Mask(same_bits<Mask>(bits(x) - half_root) >> 52));
   const Pack m = from_bits(bits(x) - (k << 52));
   const Pack k_real = from_bits(k + bits(broadcast(integer_shift))) - integer_shift;
   const Pack f = m - 1.0;
