@@ -359,8 +359,7 @@ class SmallestSpan {
   double at(const Vector<dim>& x) {
     double span = std::numeric_limits<double>::max();
     for (int d = 0; d < dim; ++d) {
-      if (!m_bases[d].lines().cell_holds(m_cell[d], x[d]))
-        m_cell[d] = m_bases[d].lines().cell_of(x[d]);
+      m_cell[d] = m_bases[d].lines().cell_near(m_cell[d], x[d]);
       span = std::min(span, m_bases[d].smallest_span(m_cell[d]));
     }
     return span;

@@ -85,9 +85,6 @@ inline bool any(Mask m) {
 inline bool all(Mask m) {
   return ((m[0] & m[2]) & (m[1] & m[3])) != 0;
 }
-inline bool any(bool m) {
-  return m;
-}
 
 inline Pack select(Mask m, Pack yes, Pack no) {
   return m ? yes : no;

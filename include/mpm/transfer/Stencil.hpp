@@ -169,9 +169,7 @@ class Stencil {
   /// Sorted particles mostly stay in the cell of the one before.
   void find_cell_of(const Vector<dim>& x) {
     if (holds(m_cell, x)) return;
-    for (int d = 0; d < dim; ++d)
-      if (!m_bases[d].lines().cell_holds(m_cell[d], x[d]))
-        m_cell[d] = m_bases[d].lines().cell_of(x[d]);
+    for (int d = 0; d < dim; ++d) m_cell[d] = m_bases[d].lines().cell_near(m_cell[d], x[d]);
     renew_first();
   }
 
