@@ -34,9 +34,8 @@ template <class Real>
                                                        const SandStraining<Real>& d) {
   const auto [C, E, F, T] = surface.slopes(y, point);
   const Real G = point.G;
-  const Real stiffness = surface.elasticity().stiffness(y.p_star);
-  const Real K = stiffness * y.p_star;
-  const Real KD = stiffness * surface.dilatancy_stress(point, y.p_star, q);
+  const Real K = point.stiffness * y.p_star;
+  const Real KD = point.stiffness * surface.dilatancy_stress(point, y.p_star, q);
 
   // The excess of an elastic step over the surface at constant eps_q.
   const Real specific_volume = 1.0 + y.void_ratio;

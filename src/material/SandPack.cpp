@@ -74,7 +74,7 @@ inline SandPackIntegrator::Trial SandPackIntegrator::predict(const SandPack& y, 
   SandFlow<Pack> flow{};
   if (simd::any(on_surface))
     flow = flow_at(y, {p0, y.specific_volume - 1.0, y.eps_q, v.sin3theta}, v, point);
-  const auto elastic = m_surface.elasticity().follow_little(p0, point.G, y.deps_v);
+  const auto elastic = m_surface.elasticity().follow_little(p0, point.G, point.stiffness, y.deps_v);
 
   Trial end;
   end.plastic = on_surface & flow.loading;
@@ -98,10 +98,10 @@ inline Mask SandPackIntegrator::can_go_on(const SandPack& y, const View& v, cons
   constexpr double shear = largest_elastic_part - 2.0 * limit;  // together with K deps_v
   const Pack p0 = y.p_star, volumetric = simd::abs(y.deps_v);
   const Mask few_parts = (6.0 * point.G * point.G * y.plane.e_e <= shear * shear * p0 * p0) &
-                         (volumetric * m_surface.elasticity().bulk_modulus(p0) <= limit * p0);
+                         (volumetric * point.stiffness <= limit);
   const Mask above_floor = (y.gap <= 1.0) & (p0 > m_lowest) & (trial.p_star > m_lowest);
   return above_floor & few_parts & (volumetric <= limit) & (v.q > vanishing_ratio * p0) &
-         m_surface.is_nearby(trial.change);
+         m_surface.is_nearby(trial.change, point.critical_slope);
 }
 
 inline SandPackIntegrator::Correction SandPackIntegrator::correct(const SandPack& y,

@@ -8,7 +8,7 @@
 
 namespace mpm::material {
 
-double critical_friction_angle(const SandParameters& sand) {
+double critical_friction_angle(const SandConstants& sand) {
   return std::asin(3.0 * sand.Mc / (6.0 + sand.Mc));
 }
 
@@ -17,8 +17,17 @@ double cohesion_shift(const SandParameters& sand) {
   return sand.cohesion / std::tan(critical_friction_angle(sand));
 }
 
+double extension_ratio_of_equal_angles(double Mc) {
+  const double sine = 3.0 * Mc / (6.0 + Mc);
+  return (3.0 - sine) / (3.0 + sine);
+}
+
 double relative_density(const SandParameters& sand) {
   return (sand.e_max - sand.void_ratio) / (sand.e_max - sand.e_min);
+}
+
+double void_ratio_at(double relative_density, const SandConstants& sand) {
+  return sand.e_max - relative_density * (sand.e_max - sand.e_min);
 }
 
 namespace {
@@ -27,15 +36,16 @@ void require(bool holds, const std::string& message) {
   if (!holds) throw BadInput(message);
 }
 
-/// Eq. 12 is solved for q by dividing by 1 - f d0/M, which must stay positive.
+/// Eq. 12 is solved for q by dividing by 1 - f B, which must stay positive at every Lode angle.
 void require_solvable(const SandParameters& sand) {
   if (sand.softening == Softening::explicit_ratio) return;
   const double largest_f = sand.softening == Softening::plain ? std::exp(-1.0) : 1.0;
-  const double limit = sand.c * sand.Mc / largest_f;
+  const bool lode = sand.dilatancy == Dilatancy::lode;
+  const double limit = (lode ? 1.0 : sand.c) * sand.Mc / largest_f;
   require(sand.d0 < limit,
-          fmt::format("-sand_d0 {}: must be below {:.4g} (-sand_c times -sand_Mc over the largest "
-                      "f), or the stress-strain relation has no solution for q; lower -sand_d0",
-                      sand.d0, limit));
+          fmt::format("-sand_d0 {}: must be below {:.4g} ({}-sand_Mc over the largest f), or the "
+                      "stress-strain relation has no solution for q; lower -sand_d0",
+                      sand.d0, limit, lode ? "" : "-sand_c times "));
 }
 
 }  // namespace

@@ -279,7 +279,7 @@ std::optional<std::string> CommandLine::value_of(std::string_view name) const {
 CommandLine read_command_line(std::span<const char* const> arguments) {
   std::vector<Token> tokens;
   for (const char* argument : arguments) tokens.push_back({argument});
-  std::vector<Given> given = pair_up(tokens, "command line");
+  std::vector<Given> given = pair_up(tokens, Given::command_line);
 
   std::vector<Given> all;
   for (const Given& option : given)

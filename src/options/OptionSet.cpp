@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <memory>
 #include <stdexcept>
 #include <type_traits>
 
@@ -119,6 +120,30 @@ void OptionSet::choice_of_words(std::string name, std::vector<std::string> words
        .present = [words, selected] { return words.at(selected()); }});
 }
 
+void OptionSet::preset(std::string name, std::vector<std::string> words,
+                       std::function<void(std::size_t)> apply, About about) {
+  apply(0);
+  const auto selected = std::make_shared<std::size_t>(0);
+  const auto select = [selected, apply = std::move(apply)](std::size_t k) {
+    *selected = k;
+    apply(k);
+  };
+  choice_of_words(
+      std::move(name), std::move(words), select, [selected] { return *selected; },
+      std::move(about));
+  m_options.back().is_preset = true;
+}
+
+void OptionSet::rule(std::function<void()> check) {
+  m_rules.push_back(std::move(check));
+}
+
+std::string OptionSet::initial_of(const Option& option) {
+  if (option.about.required) return "required";
+  const std::string value = option.present();
+  return value.empty() ? option.when_absent : value;
+}
+
 void OptionSet::add(Option option) {
   const auto refuse_declaration = [&option](std::string_view why) {
     throw std::logic_error(fmt::format("option -{}: {}", option.name, why));
@@ -132,14 +157,29 @@ void OptionSet::add(Option option) {
     if (!fault.empty()) refuse_declaration(fmt::format("the default {} {}", value, fault));
   }
   option.section = m_section;
-  option.initial = value.empty() ? option.when_absent : value;
-  if (option.about.required) option.initial = "required";
+  option.initial = initial_of(option);
   m_options.push_back(std::move(option));
 }
 
 void OptionSet::assign(std::span<const Given> given) {
-  for (const Given& one : given) set(known(one), one);
+  assign_presets(given);
+  for (const Given& one : given)
+    if (Option& option = known(one); !option.is_preset) set(option, one);
   check_required();
+  for (const auto& check : m_rules) check();
+}
+
+/// The last word given of each; what it sets becomes the default of the other options.
+void OptionSet::assign_presets(std::span<const Given> given) {
+  for (Option& option : m_options) {
+    if (!option.is_preset) continue;
+    const auto last = std::find_if(given.rbegin(), given.rend(),
+                                   [&](const Given& one) { return one.name == option.name; });
+    if (last == given.rend()) continue;
+    set(option, *last);
+    for (Option& other : m_options)
+      if (!other.is_preset) other.initial = initial_of(other);
+  }
 }
 
 void OptionSet::set(Option& option, const Given& given) {
@@ -190,6 +230,11 @@ OptionSet::Option& OptionSet::known(const Given& given) {
 
 bool OptionSet::is_given(std::string_view name) const {
   return !declared(name).origin.empty();
+}
+
+bool OptionSet::is_changed(std::string_view name) const {
+  const Option& option = declared(name);
+  return is_given(name) && option.present() != option.initial;
 }
 
 Given OptionSet::given(std::string_view name) const {

@@ -119,23 +119,23 @@ class MaterialPoint : public Scene {
     if (path && m_path_file.empty())
       refuse("test", "needs -path_file", "a CSV file of legs", "add -path_file FILE");
     if (!path)
-      refuse_if_given("path_file", "is read by -test path only", "with -test path",
-                      "leave it out or add -test path");
+      refuse_if_changed("path_file", "is read by -test path only", "with -test path",
+                        "leave it out or add -test path");
     for (const char* name : {"strain_end", "increments"})
       if (path)
-        refuse_if_given(name, "has no effect on -test path", "with the other tests",
-                        "leave it out: the path file has strains and increments");
+        refuse_if_changed(name, "has no effect on -test path", "with the other tests",
+                          "leave it out: the path file has strains and increments");
     for (const Law& law : m_laws)
       for (const std::string& name : law.options)
         if (law.name != m_laws[m_law].name)
-          refuse_if_given(name, "has no effect on -material " + m_laws[m_law].name,
-                          "with -material " + law.name,
-                          "leave it out or choose -material " + law.name);
+          refuse_if_changed(name, "has no effect on -material " + m_laws[m_law].name,
+                            "with -material " + law.name,
+                            "leave it out or choose -material " + law.name);
   }
 
-  void refuse_if_given(const std::string& name, const std::string& fault,
-                       const std::string& allowed, const std::string& remedy) const {
-    if (m_options->is_given(name)) refuse(name, fault, allowed, remedy);
+  void refuse_if_changed(const std::string& name, const std::string& fault,
+                         const std::string& allowed, const std::string& remedy) const {
+    if (m_options->is_changed(name)) refuse(name, fault, allowed, remedy);
   }
 
   [[noreturn]] void refuse(const std::string& name, const std::string& fault,

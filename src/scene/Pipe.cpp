@@ -24,7 +24,6 @@ constexpr double row_spacing = 0.0025;  // u/D between rows of history.csv
 constexpr double field_spacing = 0.1;   // u/D between outputs of particles and grid
 constexpr double early_field = 0.06;    // u/D, where the wedge under the pipe has formed
 constexpr long long check_every = 50;   // steps, of the geostatic residual
-constexpr double d50 = 0.4e-3;          // m, Stockton Beach sand
 
 /// One line of the resistance curve: means since the line before.
 struct Row {
@@ -246,7 +245,7 @@ void PipeRun::conclude() {
   m_summary.set("reference_force_N_per_m", m_options.reference_force());
   m_summary.set("friction_coefficient", m_options.friction_coefficient());
   m_summary.set("relative_density", material::relative_density(sand));
-  m_summary.set("cell_over_d50", m_options.cell() / d50);
+  m_summary.set("cell_over_d50", m_options.cell() / sand.d50);
   if (m_rows.empty()) return;
   m_summary.set("u_over_D_end", m_rows.back().u_over_D);
   m_summary.set("N_d_end", m_rows.back().N_d);

@@ -213,11 +213,10 @@ TEST(SandFactory, builds_the_law_that_the_options_describe) {
   options::OptionSet set;
   const auto factory = factory_of("sand");
   factory->declare(set);
-  const std::vector<options::Given> given{{"sand_void_ratio", "0.7", "test"},
-                                          {"sand_Gs", "2.5", "test"},
-                                          {"sand_cohesion", "300", "test"},
-                                          {"sand_softening", "plain", "test"},
-                                          {"sand_xi", "0.6", "test"}};
+  const std::vector<options::Given> given{
+      {"sand", "stockton_paper", "test"},  {"sand_void_ratio", "0.7", "test"},
+      {"sand_Gs", "2.5", "test"},          {"sand_cohesion", "300", "test"},
+      {"sand_softening", "plain", "test"}, {"sand_xi", "0.6", "test"}};
   set.assign(given);
   const auto material = factory->create();
   EXPECT_NEAR(material->initial_density(), 2500.0 / 1.7, 1e-9);
@@ -245,9 +244,83 @@ TEST(SandFactory, refuses_constants_that_do_not_go_together) {
   options::OptionSet set;
   const auto factory = factory_of("sand");
   factory->declare(set);
-  const std::vector<options::Given> given{{"sand_d0", "1.1", "test"}};
+  const std::vector<options::Given> given{{"sand_d0", "1.3", "test"}};
+  EXPECT_THROW(set.assign(given), BadInput);
+}
+
+/// The sand of a factory after these options, for a scene with dense sand of 250 Pa cohesion.
+SandParameters sand_after(const std::vector<options::Given>& given) {
+  options::OptionSet set;
+  SandFactory factory;
+  factory.parameters().void_ratio = 0.524;
+  factory.parameters().cohesion = 250.0;
+  factory.declare(set);
   set.assign(given);
-  EXPECT_THROW(factory->create(), BadInput);
+  return factory.parameters();
+}
+
+TEST(SandFactory, a_name_stands_for_constants_and_single_ones_override_it_in_any_order) {
+  const SandParameters sand = sand_after(
+      {{"sand_m", "3.3", "test"}, {"sand", "toyoura", "test"}, {"sand_Gs", "2.7", "test"}});
+  EXPECT_EQ(sand.m, 3.3);
+  EXPECT_EQ(sand.Gs, 2.7);
+  EXPECT_EQ(sand.e_max, 0.977);
+  EXPECT_EQ(sand.dilatancy, Dilatancy::lode);
+  EXPECT_EQ(sand.cohesion, 250.0);
+}
+
+TEST(SandFactory, the_paper_s_sand_is_table_1_with_the_equations_as_printed) {
+  const SandParameters sand = sand_after({{"sand", "stockton_paper", "test"}});
+  EXPECT_EQ(sand.void_ratio, 0.524);
+  EXPECT_EQ(sand.c, 0.75);
+  EXPECT_EQ(sand.dilatancy, Dilatancy::printed);
+  EXPECT_EQ(sand.bulk, BulkModulus::log);
+}
+
+TEST(SandFactory, a_scene_s_relative_density_stays_when_the_sand_is_another_one) {
+  const double dense = sand_after({}).void_ratio;
+  EXPECT_EQ(dense, 0.524);
+  const SandParameters toyoura = sand_after({{"sand", "toyoura", "test"}});
+  EXPECT_NEAR(relative_density(toyoura), (0.778 - 0.524) / (0.778 - 0.497), 1e-12);
+  EXPECT_EQ(
+      sand_after({{"sand", "toyoura", "test"}, {"sand_void_ratio", "0.7", "test"}}).void_ratio,
+      0.7);
+}
+
+TEST(SandFactory, packing_is_given_by_void_ratio_or_relative_density) {
+  EXPECT_NEAR(sand_after({{"sand_relative_density", "0.4", "test"}}).void_ratio,
+              0.778 - 0.4 * (0.778 - 0.497), 1e-12);
+  EXPECT_THROW(sand_after({{"sand_relative_density", "0.4", "a file"},
+                           {"sand_void_ratio", "0.6", "a file"}}),
+               BadInput);
+  EXPECT_NEAR(sand_after({{"sand_void_ratio", "0.6", "a file"},
+                          {"sand_relative_density", "0.4", "command line"}})
+                  .void_ratio,
+              0.6656, 1e-12);
+}
+
+TEST(SandFactory, refuses_constants_that_the_chosen_bulk_modulus_does_not_read) {
+  EXPECT_THROW(sand_after({{"sand_poisson", "0.25", "test"}, {"sand_bulk", "log", "test"}}),
+               BadInput);
+  EXPECT_THROW(sand_after({{"sand_bulk_xi", "0.3", "test"}, {"sand_bulk", "poisson", "test"}}),
+               BadInput);
+  EXPECT_THROW(sand_after({{"sand_kappa", "0.01", "test"}, {"sand_bulk", "poisson", "test"}}),
+               BadInput);
+  EXPECT_EQ(sand_after({{"sand_bulk_xi", "0.3", "test"}, {"sand_bulk", "power", "test"}}).bulk_xi,
+            0.3);
+}
+
+TEST(SandFactory, what_a_run_has_used_is_accepted_again) {
+  options::OptionSet set;
+  SandFactory factory;
+  factory.declare(set);
+  set.assign(std::vector<options::Given>{{"sand", "toyoura", "test"},
+                                         {"sand_bulk", "poisson", "test"},
+                                         {"sand_relative_density", "0.6", "test"}});
+  std::vector<options::Given> used;
+  for (const auto& [name, value] : set.values())
+    if (!value.empty()) used.push_back({name, value, "used.opts"});
+  EXPECT_EQ(sand_after(used).void_ratio, factory.parameters().void_ratio);
 }
 
 TEST(SandFactory, refuses_a_lode_angle_dependence_that_is_not_one_in_compression) {

@@ -14,6 +14,7 @@
 #include "mpm/material/ElementTest.hpp"
 #include "mpm/material/SandLaw.hpp"
 #include "support/SandParticle.hpp"
+#include "support/SandReadings.hpp"
 
 namespace mpm::material {
 namespace {
@@ -30,18 +31,11 @@ double peak_stress_ratio(const std::vector<ElementTestRow>& rows) {
 
 // The surface ------------------------------------------------------------------------------------
 
-struct Reading {
-  const char* name;
-  Softening softening;
-  std::optional<double> xi;
-};
-
-class EveryReading : public ::testing::TestWithParam<Reading> {
+class EveryReading : public ::testing::TestWithParam<std::size_t> {
  protected:
   static SandParameters sand() {
     SandParameters sand = sand_with(0.6, 0.0);
-    sand.softening = GetParam().softening;
-    sand.xi = GetParam().xi;
+    sand_readings.at(GetParam()).choose(sand);
     return sand;
   }
 };
@@ -72,11 +66,9 @@ TEST_P(EveryReading, slopes_are_the_derivatives_of_qhat) {
         }
 }
 
-TEST_P(EveryReading, qhat_solves_the_stress_strain_relation) {
-  const SandParameters sand = EveryReading::sand();
-  const double p = 37e3, e = 0.58, eps = 0.034, M = sand.Mc;
-  const double q = LoadingSurface(sand).at({p, e, eps, -1.0}).qhat;
-
+/// h - f D p* of Eq. 12 with the q that is claimed to solve it.
+double right_hand_side(const SandParameters& sand, const SurfaceState& y, double M, double q) {
+  const auto [p, e, eps, sin3theta] = y;
   const double G =
       sand.G0 * std::pow(2.973 - sand.void_ratio, 2) / (1 + sand.void_ratio) * std::sqrt(p * 101e3);
   const double e_c = sand.xi ? sand.e_Gamma - sand.lambda_c * std::pow(p / 101e3, *sand.xi)
@@ -86,15 +78,69 @@ TEST_P(EveryReading, qhat_solves_the_stress_strain_relation) {
   const double f = x * std::exp(sand.softening == Softening::plain ? -x : 1 - x);
   const double eta = (sand.softening == Softening::explicit_ratio ? h : q) / p;
   const double D = sand.d0 * std::exp(sand.m * (e - e_c)) - sand.d0 * eta / M;
-  EXPECT_NEAR(q, h - f * D * p, 1e-9 * p);
+  return h - f * (sand.dilatancy == Dilatancy::lode ? M / sand.Mc : 1.0) * D * p;
+}
+
+TEST_P(EveryReading, qhat_solves_the_stress_strain_relation) {
+  const SandParameters sand = EveryReading::sand();
+  for (double sin3theta : {-1.0, -0.3, 0.9}) {
+    const SurfaceState y{37e3, 0.58, 0.034, sin3theta};
+    const SurfacePoint point = LoadingSurface(sand).at(y);
+    EXPECT_NEAR(point.qhat, right_hand_side(sand, y, point.M, point.qhat), 1e-9 * y.p_star);
+  }
+}
+
+TEST_P(EveryReading, factors_nearby_are_those_of_the_state_itself) {
+  const LoadingSurface surface(sand());
+  const SurfaceState y{37e3, 0.58, 0.034, -0.3};
+  const SurfaceState near{y.p_star * 1.01, y.void_ratio - 1e-3, y.eps_q + 7e-4, -0.3};
+  const SurfaceChange<double> change{0.01, -1e-3, 7e-4};
+  const SurfaceFactors<double> before = surface.factors(y);
+  ASSERT_TRUE(surface.is_nearby(change, before.critical_slope));
+  const auto now = surface.factors_nearby(near, before, change), exact = surface.factors(near);
+  EXPECT_NEAR(now.psi, exact.psi, 1e-15);
+  EXPECT_NEAR(now.A, exact.A, 1e-14 * exact.A);
+  EXPECT_NEAR(now.decay, exact.decay, 1e-14 * exact.decay);
+  EXPECT_NEAR(now.critical_slope, exact.critical_slope, 1e-14 * exact.critical_slope);
+  EXPECT_NEAR(now.stiffness, exact.stiffness, 1e-14 * exact.stiffness);
+}
+
+TEST_P(EveryReading, short_elastic_paths_are_those_of_the_closed_form) {
+  const LoadingSurface surface(sand());
+  const SandElasticity& elasticity = surface.elasticity();
+  for (double p : {30.0, 7e3, 1.3e6})
+    for (double change : {-0.03, -1e-5, 1e-9, 2e-3, 0.031}) {
+      const double strain = change / elasticity.stiffness(p);
+      const auto end = elasticity.follow(p, strain);
+      const auto little =
+          elasticity.follow_little(p, elasticity.shear_modulus(p), elasticity.stiffness(p), strain);
+      EXPECT_NEAR(little.p_star, end.p_star, 1e-13 * p);
+      EXPECT_NEAR(little.mean_shear_modulus, end.mean_shear_modulus,
+                  1e-12 * end.mean_shear_modulus);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(SandSurface, EveryReading,
-                         ::testing::Values(Reading{"normalized", Softening::normalized, {}},
-                                           Reading{"plain", Softening::plain, {}},
-                                           Reading{"explicit", Softening::explicit_ratio, {}},
-                                           Reading{"power_line", Softening::normalized, 0.65}),
-                         [](const auto& instance) { return instance.param.name; });
+                         ::testing::Range<std::size_t>(0, sand_readings.size()),
+                         [](const auto& instance) { return name_of_reading(instance.param); });
+
+TEST(SandSurface, free_of_the_lode_angle_the_limit_of_strength_is_alike_at_every_angle) {
+  SandParameters sand = sand_with(0.524, 0.0);
+  sand.dilatancy = Dilatancy::lode;
+  const LoadingSurface surface(sand);
+  const auto ratio = [&](double sin3theta) {
+    const SurfaceState y{5e3, 0.55, sand.eps_r, sin3theta};
+    return surface.at(y).qhat / surface.at(y).M;
+  };
+  // What is left is the rise of h, which is steeper where M is smaller.
+  EXPECT_NEAR(ratio(1.0) / ratio(-1.0), 1.0, 0.01);
+  sand.dilatancy = Dilatancy::printed;
+  const LoadingSurface printed(sand);
+  const auto s = [&](double sin3theta) {
+    return printed.at<double>({5e3, 0.55, 0.06, sin3theta}).s;
+  };
+  EXPECT_GT(s(1.0) / s(-1.0), 1.2);
+}
 
 TEST(SandSurface, critical_stress_ratio_follows_the_lode_angle) {
   const SandParameters sand;
@@ -511,37 +557,49 @@ TEST(SandLaw, passes_nan_on) {
 
 // Scalars ----------------------------------------------------------------------------------------
 
-TEST(SandLaw, power_form_elasticity_follows_its_bulk_modulus) {
-  SandParameters sand = sand_with(0.6, 0.0);
-  sand.xi = 0.7;
-  const SandElasticity elasticity(sand);
-  const double p = 30e3, K = 1.6 * p / (0.012 * 0.7) * std::pow(101e3 / p, 0.7);
-  EXPECT_NEAR(elasticity.bulk_modulus(p), K, 1e-9 * K);
-  for (double strain : {1e-6, -1e-3, 0.02}) {
-    const auto end = elasticity.follow(p, strain);
-    double pressure = p, shear = 0.0;
-    for (int k = 0; k < 20000; ++k) {
-      const double middle = pressure + 0.5 * elasticity.bulk_modulus(pressure) * strain / 20000;
-      shear += elasticity.shear_modulus(middle) / 20000;
-      pressure += elasticity.bulk_modulus(middle) * strain / 20000;
-    }
-    EXPECT_NEAR(end.p_star, pressure, 1e-7 * p);
-    EXPECT_NEAR(end.mean_shear_modulus, shear, 1e-7 * shear);
-    EXPECT_NEAR(elasticity.strain_to_pressure(p, end.p_star), strain, 1e-9);
-  }
+TEST(SandLaw, bulk_modulus_is_that_of_its_reading) {
+  SandConstants sand;
+  const double e0 = 0.6, p = 30e3;
+  const auto K = [&](BulkModulus reading) {
+    sand.bulk = reading;
+    return SandElasticity(sand, e0).bulk_modulus(p);
+  };
+  sand.bulk_xi = 0.7;
+  sand.poisson_ratio = 0.15;
+  const double G = SandElasticity(sand, e0).shear_modulus(p);
+  const double log = 1.6 * p / 0.012, power = log / 0.7 * std::pow(101e3 / p, 0.7);
+  EXPECT_NEAR(K(BulkModulus::log), log, 1e-12 * log);
+  EXPECT_NEAR(K(BulkModulus::power), power, 1e-9 * power);
+  EXPECT_NEAR(K(BulkModulus::poisson), 2.3 * G / 2.1, 1e-9 * G);
 }
 
-TEST(SandLaw, power_form_is_integrated_on_its_surface) {
-  SandParameters sand = sand_with(0.6, 500.0);
-  sand.xi = 0.7;
-  sand.lambda_c = 0.02;
-  const SandLaw law(sand);
-  Particle particle(law, at_rest(20e3, 0.5)), fine(law, at_rest(20e3, 0.5));
-  const SymmetricTensor strain{{0.01, -0.02, 0, 0.005, 0, 0}};
-  particle.strain_by(strain, 20);
-  fine.strain_by(strain, 5000);
-  EXPECT_NEAR(particle.q(), particle.qhat(), 1e-8 * particle.p_star());
-  EXPECT_LT(norm(particle.stress + (-1.0) * fine.stress), 1e-3 * fine.p_star());
+/// p* and the mean of G at the end of an elastic path, by the midpoint rule.
+SandElasticity::PathEnd followed_in_small_steps(const SandElasticity& elasticity, double p,
+                                                double strain) {
+  constexpr int steps = 20000;
+  double shear = 0.0;
+  for (int k = 0; k < steps; ++k) {
+    const double middle = p + 0.5 * elasticity.bulk_modulus(p) * strain / steps;
+    shear += elasticity.shear_modulus(middle) / steps;
+    p += elasticity.bulk_modulus(middle) * strain / steps;
+  }
+  return {p, shear};
+}
+
+TEST(SandLaw, elastic_paths_follow_every_reading_of_the_bulk_modulus) {
+  for (const SandReading& reading : sand_readings) {
+    SandConstants sand;
+    reading.choose(sand);
+    const SandElasticity elasticity(sand, 0.6);
+    const double p = 30e3;
+    for (double strain : {1e-6, -5e-4, 0.005}) {
+      const auto end = elasticity.follow(p, strain);
+      const auto [pressure, shear] = followed_in_small_steps(elasticity, p, strain);
+      EXPECT_NEAR(end.p_star, pressure, 1e-7 * pressure) << reading.name;
+      EXPECT_NEAR(end.mean_shear_modulus, shear, 1e-7 * shear) << reading.name;
+      EXPECT_NEAR(elasticity.strain_to_pressure(p, end.p_star), strain, 1e-9) << reading.name;
+    }
+  }
 }
 
 TEST(SandLaw, density_and_wave_speed_follow_from_the_constants) {
@@ -563,6 +621,10 @@ TEST(SandLaw, loose_particles_are_counted_at_the_cap) {
 TEST(SandLaw, refuses_constants_that_leave_no_solution_for_q) {
   SandParameters sand;
   sand.d0 = 0.95;
+  EXPECT_THROW(SandLaw{sand}, BadInput);
+  sand.dilatancy = Dilatancy::lode;
+  EXPECT_NO_THROW(SandLaw{sand});
+  sand.d0 = 1.25;
   EXPECT_THROW(SandLaw{sand}, BadInput);
   sand.softening = Softening::plain;
   EXPECT_NO_THROW(SandLaw{sand});

@@ -8,12 +8,14 @@
 #include <cstdint>
 #include <limits>
 #include <random>
+#include <tuple>
 #include <vector>
 
 #include "../../src/material/SandIntegrator.hpp"
 #include "../../src/material/SandPack.hpp"
 #include "mpm/material/SandLaw.hpp"
 #include "support/SandParticle.hpp"
+#include "support/SandReadings.hpp"
 
 namespace mpm::material {
 namespace {
@@ -109,30 +111,26 @@ std::vector<Case> cases(const SandLaw& law, unsigned seed, int paths, bool in_pl
   return all;
 }
 
-struct Reading {
-  const char* name;
-  Softening softening;
-  std::optional<double> xi;
-  double cohesion;
-};
-
-class SandPacks : public ::testing::TestWithParam<Reading> {
+/// A reading, and a cohesion in Pa.
+class SandPacks : public ::testing::TestWithParam<std::tuple<std::size_t, double>> {
  protected:
   static SandParameters sand() {
-    SandParameters sand = sand_with(0.58, GetParam().cohesion);
-    sand.softening = GetParam().softening;
-    sand.xi = GetParam().xi;
+    const auto [reading, cohesion] = GetParam();
+    SandParameters sand = sand_with(0.58, cohesion);
+    sand_readings.at(reading).choose(sand);
     return sand;
   }
 };
 
+std::string name_of(const ::testing::TestParamInfo<std::tuple<std::size_t, double>>& instance) {
+  const auto [reading, cohesion] = instance.param;
+  return name_of_reading(reading) + (cohesion > 0.0 ? "_cohesive" : "");
+}
+
 INSTANTIATE_TEST_SUITE_P(SandLaw, SandPacks,
-                         ::testing::Values(Reading{"normalized", Softening::normalized, {}, 1e3},
-                                           Reading{"frictional", Softening::normalized, {}, 0.0},
-                                           Reading{"plain", Softening::plain, {}, 1e3},
-                                           Reading{"explicit", Softening::explicit_ratio, {}, 700},
-                                           Reading{"power_line", Softening::normalized, 0.65, 1e3}),
-                         [](const auto& instance) { return instance.param.name; });
+                         ::testing::Combine(::testing::Range<std::size_t>(0, sand_readings.size()),
+                                            ::testing::Values(0.0, 700.0)),
+                         name_of);
 
 TEST_P(SandPacks, take_the_steps_of_the_scalar_integrator) {
   const SandParameters parameters = sand();

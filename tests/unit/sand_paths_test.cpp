@@ -1,46 +1,38 @@
-// Paths that nobody has tuned the sand law to, under all readings of Eq. 12.
+// Paths that nobody has tuned the sand law to, under all readings of its equations.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "mpm/material/SandLaw.hpp"
 #include "support/SandParticle.hpp"
+#include "support/SandReadings.hpp"
 
 namespace mpm::material {
 namespace {
 
-struct Sand {
-  Softening softening;
-  double cohesion;  // Pa
-};
-
-class AnyPath : public ::testing::TestWithParam<Sand> {
+/// A reading, and a cohesion in Pa.
+class AnyPath : public ::testing::TestWithParam<std::tuple<std::size_t, double>> {
  protected:
   static SandLaw sand(double void_ratio) {
-    SandParameters parameters = sand_with(void_ratio, GetParam().cohesion);
-    parameters.softening = GetParam().softening;
+    const auto [reading, cohesion] = GetParam();
+    SandParameters parameters = sand_with(void_ratio, cohesion);
+    sand_readings.at(reading).choose(parameters);
     return SandLaw(parameters);
   }
 };
 
-std::string name_of(const ::testing::TestParamInfo<Sand>& instance) {
-  constexpr std::array names{"normalized", "plain", "explicit"};
-  const auto [softening, cohesion] = instance.param;
-  return std::string(names.at(static_cast<std::size_t>(softening))) +
-         (cohesion > 0.0 ? "_cohesive" : "");
+std::string name_of(const ::testing::TestParamInfo<std::tuple<std::size_t, double>>& instance) {
+  const auto [reading, cohesion] = instance.param;
+  return name_of_reading(reading) + (cohesion > 0.0 ? "_cohesive" : "");
 }
 
 INSTANTIATE_TEST_SUITE_P(SandLaw, AnyPath,
-                         ::testing::Values(Sand{Softening::normalized, 0.0},
-                                           Sand{Softening::normalized, 1300.0},
-                                           Sand{Softening::plain, 0.0},
-                                           Sand{Softening::plain, 1300.0},
-                                           Sand{Softening::explicit_ratio, 0.0},
-                                           Sand{Softening::explicit_ratio, 1300.0}),
+                         ::testing::Combine(::testing::Range<std::size_t>(0, sand_readings.size()),
+                                            ::testing::Values(0.0, 1300.0)),
                          name_of);
 
 constexpr double on_surface = 1e-6;  // of p*

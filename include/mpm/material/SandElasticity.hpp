@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "mpm/core/Series.hpp"
 #include "mpm/material/SandParameters.hpp"
@@ -9,9 +11,11 @@ namespace mpm::material {
 
 /// Pressure-dependent elasticity of the sand law. Pressures p* = p + p_c, Pa, and volumetric
 /// strains are compression positive. `Real` is double or simd::Pack.
+///
+/// Every reading of K has the form K/p* = k p*^-n: n = 0 (log), xi (power), 1/2 (poisson).
 class SandElasticity {
  public:
-  explicit SandElasticity(const SandParameters& sand);
+  explicit SandElasticity(const SandConstants& sand, double void_ratio);
 
   /// G of Eq. 15, Pa, from the square root of p*.
   template <class Real>
@@ -23,11 +27,14 @@ class SandElasticity {
     return m_G_of_root * simd::sqrt(p_star);
   }
 
-  /// K/p* with K = (1 + e0) p*/kappa, or Eq. 24 in the power form.
+  /// n above.
+  double exponent() const { return m_n; }
+  /// K/p*, 1.
   template <class Real>
   Real stiffness(Real p_star) const {
-    if (!m_power_form) return simd::splat<Real>(m_stiffness);
-    return m_power_stiffness / m_xi * simd::pow(p_star, -m_xi);
+    if (m_n == 0.0) return simd::splat<Real>(m_k);
+    if (m_n == 0.5) return m_k / simd::sqrt(p_star);
+    return m_k * simd::pow(p_star, -m_n);
   }
   /// K, Pa.
   template <class Real>
@@ -44,57 +51,49 @@ class SandElasticity {
   using PathEnd = PathEndOf<double>;
 
   /// Integrated in closed form: a closed elastic loop returns to its start.
-  PathEnd follow(double p_star, double volumetric_strain) const {
-    if (m_power_form) return follow_power(p_star, volumetric_strain);
-    const double half = 0.5 * m_stiffness * volumetric_strain;
-    const double ratio = std::abs(half) > 1e-8 ? std::expm1(half) / half : 1.0 + 0.5 * half;
-    return grown(p_star, shear_modulus(p_star), half, ratio);
-  }
+  PathEnd follow(double p_star, double volumetric_strain) const;
 
-  /// The same from G at the start, for |K volumetric_strain| <= p* simd::small_limit.
+  /// The same from G and K/p* at the start, for |K volumetric_strain| <= p* simd::small_limit.
   template <class Real>
-  PathEndOf<Real> follow_little(Real p_star, Real G, Real volumetric_strain) const {
-    if (m_power_form) return follow_power(p_star, volumetric_strain);
-    const Real half = 0.5 * m_stiffness * volumetric_strain;
-    return grown(p_star, G, half, simd::small_expm1_ratio(half));
+  PathEndOf<Real> follow_little(Real p_star, Real G, Real stiffness, Real volumetric_strain) const {
+    const Real change = stiffness * volumetric_strain;
+    if (m_n == 0.0) {
+      const Real half = 0.5 * change;
+      return grown(p_star, G, half, simd::small_expm1_ratio(half));
+    }
+    const Real ratio = root_growth_ratio(change);
+    const Real growth = 1.0 + change * ratio;
+    return {p_star * growth * growth,
+            G * (ratio + m_n + m_n * change * ratio) * (1.0 / (0.5 + m_n))};
   }
 
   /// Elastic volumetric strain (negative) that lowers p* to the floor.
   double strain_to_pressure(double p_star, double floor) const {
-    if (!m_power_form) return std::log(floor / p_star) / m_stiffness;
-    return (std::pow(floor, m_xi) - std::pow(p_star, m_xi)) / m_power_stiffness;
+    if (m_n == 0.0) return std::log(floor / p_star) / m_k;
+    return (std::pow(floor, m_n) - std::pow(p_star, m_n)) / (m_n * m_k);
   }
 
  private:
   /// Half of the growth of ln p* and (exp(half) - 1)/half: sqrt(p*) grows to exp(half) of itself.
   template <class Real>
-  PathEndOf<Real> grown(Real p_star, Real G, Real half, Real ratio) const {
+  static PathEndOf<Real> grown(Real p_star, Real G, Real half, Real ratio) {
     const Real growth = 1.0 + half * ratio;
     return {p_star * growth * growth, G * ratio};
   }
+  PathEnd follow_power(double p_star, double volumetric_strain) const;
 
-  /// Eq. 24 makes y = p*^xi linear in strain; G grows like y^n.
+  /// sqrt(p*) grows to (1 + n w)^(1/2n) of itself where K/p* times the strain is w at the start:
+  /// (that - 1)/w as its series, truncated below 1e-17.
   template <class Real>
-  PathEndOf<Real> follow_power(Real p_star, Real volumetric_strain) const {
-    const double n = 0.5 / m_xi;
-    const Real root0 = simd::sqrt(p_star);
-    const Real y0 = simd::pow(p_star, m_xi);
-    const Real change = m_power_stiffness * volumetric_strain;
-    const Real y1 = simd::max(y0 + change, Real{});  // 0: down to no pressure
-    const Real root1 = simd::select(y1 <= 0.0, Real{}, simd::pow(y1, n));
-    const auto little = simd::abs(change) < 1e-3 * y0;
-    const Real simpson = (root0 + 4.0 * simd::pow(y0 + 0.5 * change, n) + root1) / 6.0;
-    const Real integral =
-        (y1 * root1 - y0 * root0) / ((n + 1.0) * simd::select(little, y0, change));
-    return {root1 * root1,
-            m_G_of_root * simd::select(y1 <= 0.0, Real{}, simd::select(little, simpson, integral))};
+  Real root_growth_ratio(Real w) const {
+    Real sum = simd::splat<Real>(m_root_series.back());
+    for (std::size_t j = m_root_series.size() - 1; j-- > 0;) sum = sum * w + m_root_series[j];
+    return sum;
   }
 
   double m_G_of_root;
-  double m_stiffness;
-  bool m_power_form;
-  double m_xi = 1.0;
-  double m_power_stiffness = 0.0;
+  double m_k, m_n;
+  std::array<double, 10> m_root_series;
 };
 
 }  // namespace mpm::material

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <optional>
+
 #include "mpm/material/Material.hpp"
+#include "mpm/material/NamedSands.hpp"
 #include "mpm/material/SandParameters.hpp"
 
 namespace mpm::material {
 
-/// The -sand_* options.
+/// The options -sand and -sand_*. Bound to the set that they are declared in, which outlives it.
 class SandFactory : public MaterialFactory {
  public:
   void declare(options::OptionSet& set) override;
@@ -16,14 +19,22 @@ class SandFactory : public MaterialFactory {
   const SandParameters& parameters() const { return m_sand; }
 
  private:
+  void declare_name(options::OptionSet& set);
   void declare_packing(options::OptionSet& set);
   void declare_elasticity(options::OptionSet& set);
   void declare_critical_state(options::OptionSet& set);
   void declare_hardening(options::OptionSet& set);
+  void declare_readings(options::OptionSet& set);
   void declare_cohesion(options::OptionSet& set);
   void declare_numerics(options::OptionSet& set);
 
+  void take(const NamedSand& sand);
+  void check_together();
+  void set_packing();
+
+  const options::OptionSet* m_options = nullptr;
   SandParameters m_sand;
+  std::optional<double> m_relative_density;
 };
 
 }  // namespace mpm::material

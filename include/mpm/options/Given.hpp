@@ -12,6 +12,9 @@ struct Given {
   std::string name;   ///< without the leading dash
   std::string value;  ///< empty when none was given
   std::string origin;
+
+  bool is_from_command_line() const { return origin == command_line; }
+  static constexpr const char* command_line = "command line";
 };
 
 /// Why an option is not accepted. `fault` continues the sentence "-name value (origin) ...".

@@ -48,11 +48,21 @@ class OptionSet {
   void choice(std::string name, Enum& value, std::vector<std::pair<std::string, Enum>> alternatives,
               About about);
 
+  /// A choice that stands for values of other options: `apply(k)` sets them to those of word k. It
+  /// comes before all options that are given singly, in whatever order, so that these override it.
+  /// Declare it before them: word 0 is applied at once, and what it sets is their default.
+  void preset(std::string name, std::vector<std::string> words,
+              std::function<void(std::size_t)> apply, About about);
+  /// Looks at the options together after `assign` has set them; throws BadInput.
+  void rule(std::function<void()> check);
+
   /// Parses and checks what was given. Throws BadInput that names the option, the value, what is
   /// allowed, and for an unknown name the nearest declared one.
   void assign(std::span<const Given> given);
 
   bool is_given(std::string_view name) const;
+  /// Given, and not as its default: used.opts gives every option, and has to pass as it is.
+  bool is_changed(std::string_view name) const;
   /// Present value and where it came from ("default" when not given), to refuse it with
   /// `bad_input`.
   Given given(std::string_view name) const;
@@ -78,6 +88,7 @@ class OptionSet {
     std::string section = {};
     std::string initial = {};  ///< the default for readers
     std::string origin = {};   ///< empty unless given
+    bool is_preset = false;
   };
   void add(Option option);
   template <class Number>
@@ -89,7 +100,9 @@ class OptionSet {
   const Option& declared(std::string_view name) const;
   Option& known(const Given& given);
   static void set(Option& option, const Given& given);
+  void assign_presets(std::span<const Given> given);
   void check_required() const;
+  static std::string initial_of(const Option& option);
 
   static Refusal refuse(const Option& option, const Given& given, std::string fault);
   static std::string help_entry(const Option& option, std::size_t head_width,
@@ -100,6 +113,7 @@ class OptionSet {
 
   std::string m_section = "General";
   std::vector<Option> m_options;
+  std::vector<std::function<void()>> m_rules;
 };
 
 template <class Enum>
