@@ -2,11 +2,9 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <numbers>
 #include <random>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -167,94 +165,7 @@ TEST(SandSurface, strength_is_never_negative) {
   EXPECT_EQ(LoadingSurface(sand).at({40e3, 1.3, 0.06, 0.9}).qhat, 0.0);
 }
 
-// Reference curves -------------------------------------------------------------------------------
-
-struct Reference {
-  const char* file;
-  ElementTestKind kind;
-  double pressure;
-  double void_ratio;
-  double cohesion;
-};
-
-std::vector<ElementTestRow> read_reference(const Reference& reference) {
-  std::ifstream file(std::string(MPM_TEST_DATA) + "/j2/" + reference.file + ".csv");
-  std::string line;
-  std::getline(file, line);
-  std::vector<ElementTestRow> rows;
-  while (std::getline(file, line)) {
-    std::istringstream text(line);
-    std::array<double, 6> value{};
-    char comma;
-    for (double& number : value) text >> number >> comma;
-    rows.push_back({value[0], 1e3 * value[1], 1e3 * value[2], value[3], value[4], value[5]});
-  }
-  return rows;
-}
-
-void expect_same_curve(const std::vector<ElementTestRow>& rows, std::size_t every,
-                       const std::vector<ElementTestRow>& expected) {
-  double peak = 0.0;
-  for (const ElementTestRow& row : expected) peak = std::max(peak, row.q);
-  for (std::size_t k = 0; k < expected.size(); ++k) {
-    const ElementTestRow& row = rows.at(every * k);
-    ASSERT_NEAR(row.axial_strain, expected[k].axial_strain, 1e-9);
-    EXPECT_NEAR(row.q, expected[k].q, 1e-3 * peak) << "row " << k;
-    EXPECT_NEAR(row.p, expected[k].p, 1e-3 * peak) << "row " << k;
-    EXPECT_NEAR(row.volumetric_strain, expected[k].volumetric_strain, 1e-5) << "row " << k;
-    EXPECT_NEAR(row.void_ratio, expected[k].void_ratio, 2e-5) << "row " << k;
-    EXPECT_NEAR(row.lode_angle_deg, expected[k].lode_angle_deg, 0.1) << "row " << k;
-  }
-}
-
-class ReferenceCurve : public ::testing::TestWithParam<Reference> {};
-
-TEST_P(ReferenceCurve, is_met_with_few_and_with_many_increments) {
-  const Reference& reference = GetParam();
-  const SandLaw law(sand_with(reference.void_ratio, reference.cohesion));
-  const auto expected = read_reference(reference);
-  ASSERT_EQ(expected.size(), 151U);
-  for (std::size_t every : {1U, 5U, 40U}) {
-    const auto rows = run_element_test(law, {.kind = reference.kind,
-                                             .confining_pressure = reference.pressure,
-                                             .strain_end = expected.back().axial_strain,
-                                             .increments = every * 150});
-    expect_same_curve(rows, every, expected);
-  }
-}
-
 using enum ElementTestKind;
-INSTANTIATE_TEST_SUITE_P(
-    SandLaw, ReferenceCurve,
-    ::testing::Values(Reference{"triaxial_p150_e0.551", triaxial_compression, 150e3, 0.551, 0},
-                      Reference{"triaxial_p150_e0.64", triaxial_compression, 150e3, 0.64, 0},
-                      Reference{"triaxial_p150_e0.72", triaxial_compression, 150e3, 0.72, 0},
-                      Reference{"triaxial_p500_e0.574", triaxial_compression, 500e3, 0.574, 0},
-                      Reference{"triaxial_p500_e0.64", triaxial_compression, 500e3, 0.64, 0},
-                      Reference{"triaxial_p500_e0.72", triaxial_compression, 500e3, 0.72, 0},
-                      Reference{"plane_strain_p400_e0.581", plane_strain, 400e3, 0.581, 0},
-                      Reference{"plane_strain_p50_e0.524", plane_strain, 50e3, 0.524, 0},
-                      Reference{"simple_shear_constant_volume_p100_e0.657",
-                                simple_shear_constant_volume, 100e3, 0.657, 0},
-                      Reference{"oedometer_p5_e0.657_cohesion1.67", oedometer, 5e3, 0.657, 1670}),
-    [](const auto& instance) {
-      std::string name = instance.param.file;
-      for (char& letter : name)
-        if (letter == '.') letter = '_';
-      return name;
-    });
-
-TEST(SandLaw, oedometer_curve_is_met_with_one_update_a_row) {
-  const Reference reference{"oedometer_p5_e0.657_cohesion1.67", oedometer, 5e3, 0.657, 1670};
-  const SandLaw law(sand_with(reference.void_ratio, reference.cohesion));
-  const auto expected = read_reference(reference);
-  Particle particle(law, isotropic(reference.pressure));
-  for (std::size_t k = 1; k < expected.size(); ++k) {
-    particle.strain_by(
-        principal(0.0, expected[k - 1].axial_strain - expected[k].axial_strain, 0.0));
-    EXPECT_NEAR(particle.q(), expected[k].q, 2e-3 * expected.back().q);
-  }
-}
 
 TEST(SandLaw, peak_friction_angle_tells_the_softening_readings_apart) {
   const auto peak_angle = [](Softening softening, double void_ratio, double pressure) {
