@@ -162,26 +162,51 @@ void add_perfectly_plastic_laws() {
       {.pressure = 5e3, .direction = stretching, .preparation = 0.01, .expected_growth = 1.0});
 }
 
+/// Plastic, turning and elastic increments of a size at a pressure.
+void add_sand_increments(const std::string& sand, const std::shared_ptr<const SandLaw>& law,
+                         double pressure, double size, const std::string& size_text) {
+  const std::string at = sand + "/" + std::to_string(static_cast<int>(pressure / 1e3)) + "kPa/";
+  Path path{.pressure = pressure, .direction = biaxial, .preparation = 0.01};
+  path.increment = size;
+  path.expected_growth = 1.0;
+  add(at + "plastic" + size_text, law, path, SandLaw::eps_q);
+  path.increment = -size;
+  path.expected_growth = 0.0;
+  add(at + "turning" + size_text, law, path, SandLaw::eps_q);
+  path.turning_back = 2e-5;
+  add(at + "elastic" + size_text, law, path, SandLaw::eps_q);
+}
+
 void add_sand() {
   const auto dense = std::make_shared<SandLaw>(SandParameters{});
   for (double pressure : {2e3, 400e3}) {
-    const std::string at = "sand/" + std::to_string(static_cast<int>(pressure / 1e3)) + "kPa/";
-    const Path loading{.pressure = pressure, .direction = biaxial, .preparation = 0.01};
-    for (const auto& [size, text] : {std::pair(1e-6, "_1e-6"), std::pair(1e-5, "_1e-5")}) {
-      Path path = loading;
-      path.increment = size;
-      path.expected_growth = 1.0;
-      add(at + "plastic" + text, dense, path, SandLaw::eps_q);
-      path.increment = -size;
-      path.expected_growth = 0.0;
-      add(at + "turning" + text, dense, path, SandLaw::eps_q);
-      path.turning_back = 2e-5;
-      add(at + "elastic" + text, dense, path, SandLaw::eps_q);
-    }
+    add_sand_increments("sand", dense, pressure, 1e-6, "_1e-6");
+    add_sand_increments("sand", dense, pressure, 1e-5, "_1e-5");
   }
   add("sand/pressure_floor", dense,
       {.pressure = 2e3, .direction = stretching, .preparation = 0.05, .expected_growth = 1.0},
       SandLaw::gap_volume_ratio);
+}
+
+/// One reading exchanged at a time, to be compared with "sand".
+void add_readings_of_sand() {
+  const auto add_reading = [](const std::string& name, const auto& choose) {
+    SandParameters sand;
+    choose(sand);
+    const auto law = std::make_shared<SandLaw>(sand);
+    for (double pressure : {2e3, 400e3})
+      add_sand_increments("sand_" + name, law, pressure, 1e-5, "_1e-5");
+  };
+  add_reading("lode", [](SandConstants& sand) { sand.dilatancy = Dilatancy::lode; });
+  add_reading("bulk_power", [](SandConstants& sand) {
+    sand.bulk = BulkModulus::power;
+    sand.bulk_xi = 0.7;
+  });
+  add_reading("bulk_poisson", [](SandConstants& sand) { sand.bulk = BulkModulus::poisson; });
+  add_reading("power_line", [](SandConstants& sand) {
+    sand.xi = 0.7;
+    sand.lambda_c = 0.019;
+  });
 }
 
 }  // namespace
@@ -191,6 +216,7 @@ int main(int count, char** arguments) {
   mpm::material::add_elastic_laws();
   mpm::material::add_perfectly_plastic_laws();
   mpm::material::add_sand();
+  mpm::material::add_readings_of_sand();
   benchmark::Initialize(&count, arguments);
   if (benchmark::ReportUnrecognizedArguments(count, arguments)) return 1;
   benchmark::RunSpecifiedBenchmarks();

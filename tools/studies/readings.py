@@ -1,4 +1,4 @@
-"""Strength of the sand under the readings of Eq. 12, next to Bolton's correlation.
+"""Strength of the sand under the readings of its equations, next to Bolton's correlation.
 
 Bolton (1986): phi = phi_c + 3 I_R in triaxial compression and + 5 I_R in plane strain, with
 I_R = D_r (10 - ln p') - 1 between 0 and 4, p' in kPa at the peak, and -deps_v/deps_1 = 0.3 I_R.
@@ -9,7 +9,14 @@ import math
 
 from .rows import provenance, read_json
 
-READINGS = ("normalized", "plain", "explicit")
+PAPER = {"sand": "stockton_paper"}
+READINGS = {
+    "normalized": PAPER,
+    "plain": PAPER | {"sand_softening": "plain"},
+    "explicit": PAPER | {"sand_softening": "explicit"},
+    "lode": PAPER | {"sand_dilatancy": "lode", "sand_c": 0.7075},
+    "house": {"sand": "stockton"},
+}
 PACKINGS = {"dense": 0.524, "medium": 0.657}
 TESTS = ("triaxial_compression", "plane_strain")
 PRESSURES = (2, 5, 10, 20, 50, 100, 200, 400, 800)  # kPa
@@ -19,13 +26,13 @@ COMMON = {"scene": "material_point", "strain_end": 2, "increments": 2000}
 
 
 def jobs():
-    for reading in READINGS:
+    for reading, sand in READINGS.items():
         for test in TESTS:
             for packing, void_ratio in PACKINGS.items():
                 for cohesion, pressures in ((0, PRESSURES), (1000, LOW_PRESSURES)):
                     for pressure in pressures:
                         yield f"{reading}_{test}_{packing}_{pressure}kPa_c{cohesion}", COMMON | {
-                            "test": test, "sand_softening": reading,
+                            "test": test} | sand | {
                             "sand_void_ratio": void_ratio, "sand_cohesion": cohesion,
                             "confining_pressure": 1000 * pressure}
 
@@ -69,6 +76,14 @@ def dilatancy(before, after):
     return -volume / (float(after["axial_strain"]) - float(before["axial_strain"]))
 
 
+def residual_share(rows, peak, shift, strain=0.15):
+    """sigma_1/sigma_3 at an axial strain over that at the peak."""
+    ratios = [(float(row["stress_yy_Pa"]) + shift) / (float(row["stress_xx_Pa"]) + shift)
+              for row in rows]
+    later = next(k for k, row in enumerate(rows) if float(row["axial_strain"]) >= strain - 1e-9)
+    return ratios[later] / ratios[peak]
+
+
 def table_row(job, job_dir, options):
     summary = read_json(job_dir / "summary.json")
     with open(job_dir / "history.csv", encoding="utf-8") as file:
@@ -80,13 +95,14 @@ def table_row(job, job_dir, options):
     ratio_30, psi_30 = state(at_30, summary, shift)
     ratio_end, psi_end = state(end, summary, shift)
     return {
-        "reading": summary["option_sand_softening"], "test": summary["option_test"],
+        "reading": job.split("_", 1)[0], "test": summary["option_test"],
         "void_ratio": summary["option_sand_void_ratio"],
         "cohesion_Pa": f"{shift:g}",
         "confining_pressure_kPa": f"{summary['option_confining_pressure'] / 1000:g}",
         "peak_angle_deg": f"{friction_angle(at_peak, shift):.2f}",
         "peak_angle_of_total_stress_deg": f"{friction_angle(at_peak, 0.0):.2f}",
         "bolton_angle_deg": f"{correlation:.2f}",
+        "residual_share": f"{residual_share(rows, peak, shift):.3f}",
         "strain_at_peak": f"{float(at_peak['axial_strain']):.4f}",
         "p_at_peak_kPa": f"{float(at_peak['p_Pa']) / 1000:.4g}",
         "dilatancy_at_peak": f"{dilatancy(rows[peak - 1], rows[peak + 1]):.3f}",
