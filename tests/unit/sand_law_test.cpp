@@ -483,6 +483,64 @@ TEST(SandLaw, passes_nan_on) {
   EXPECT_TRUE(std::isnan(particle.stress[1]));
 }
 
+// Vibration at constant volume --------------------------------------------------------------------
+
+class Vibration : public ::testing::TestWithParam<double> {};  // K0; 1 starts at eps_q = 0
+
+/// Isochoric strains that jump about the start, none of which adds up.
+double pressure_after_vibration(const SandLaw& law, double p, double K0, double size) {
+  Particle particle(law, at_rest(3.0 * p / (1.0 + 2.0 * K0), K0));
+  std::mt19937 generator(5);
+  SymmetricTensor before;
+  for (int k = 0; k < 20000; ++k) {
+    const SymmetricTensor strain = deviator(random_strain(generator, size));
+    particle.strain_by(strain + (-1.0) * before);
+    before = strain;
+  }
+  return -trace(particle.stress) / 3.0;
+}
+
+TEST_P(Vibration, of_a_small_size_takes_next_to_no_pressure) {
+  const double p = 90e3;
+  for (double e : {0.524, 0.63, 0.8})
+    for (double kappa : {0.012, 0.002}) {  // the stiffer sand reacts more to plastic volume
+      SandParameters sand = sand_with(e, 0.0);
+      sand.kappa = kappa;
+      const double share = pressure_after_vibration(SandLaw(sand), p, GetParam(), 4e-6) / p;
+      EXPECT_NEAR(share, 1.0, 4e-3) << e << " " << kappa;
+    }
+}
+
+TEST_P(Vibration, in_cycles_takes_its_toll_in_the_first_alone) {
+  const SandLaw law(sand_with(0.8, 0.0));
+  Particle particle(law, at_rest(120e3, GetParam()));
+  const SymmetricTensor shear{{0, 0, 0, 4e-5, 0, 0}};
+  cycle(particle, shear, 1);
+  cycle(particle, -1.0 * shear, 1);
+  const SymmetricTensor settled = particle.stress;
+  cycle(particle, shear, 200);
+  cycle(particle, -1.0 * shear, 200);
+  EXPECT_LT(norm(particle.stress + (-1.0) * settled), 1e-5 * particle.p_star());
+}
+
+/// Loose sand contracts down to it and no further, whatever the path at constant volume.
+TEST_P(Vibration, however_long_ends_at_the_critical_pressure) {
+  const SandParameters sand = sand_with(0.8, 0.0);
+  const SandLaw law(sand);
+  const double critical = 1e3 * std::exp((sand.e_Gamma - sand.void_ratio) / sand.lambda_c);
+  Particle particle(law, at_rest(120e3, GetParam()));
+  const SymmetricTensor shear{{0, 0, 0, 8e-4, 0, 0}};
+  double lowest = particle.p_star();
+  for (int k = 0; k < 300; ++k) {
+    for (double sign : {1.0, -2.0, 1.0}) particle.strain_by(sign * shear, 8);
+    lowest = std::min(lowest, particle.p_star());
+  }
+  EXPECT_NEAR(particle.p_star() / critical, 1.0, 0.05);
+  EXPECT_GT(lowest, 0.95 * critical);
+}
+
+INSTANTIATE_TEST_SUITE_P(SandLaw, Vibration, ::testing::Values(1.0, 0.5));
+
 // Gaps --------------------------------------------------------------------------------------------
 
 constexpr double fading = 0.013;    // J_gap - 1 at which the tension is gone
