@@ -142,6 +142,12 @@ void SandFactory::declare_numerics(options::OptionSet& set) {
   set.real("sand_pressure_floor", m_sand.pressure_floor, positive(),
            {"Pa", "Lowest mean stress plus shift; below it the sand opens a gap.",
             "chosen: see docs/model.md"});
+  set.optional_real("sand_gap_opening", m_sand.gap_opening, {.minimum = 1e-4, .maximum = 1.0},
+                    "tension stays",
+                    {"1",
+                     "Volume strain of a gap over which the tension that cohesion leaves at the "
+                     "floor fades to nothing, linearly.",
+                     "chosen: see docs/model.md"});
   set.real("sand_psi_cap", m_sand.psi_cap, {},
            {"1", "Largest state parameter in the dilatancy.", "chosen: see docs/model.md"});
   set.real("sand_tolerance", m_sand.tolerance, {.minimum = 1e-12, .maximum = 1e-2},

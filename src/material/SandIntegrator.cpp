@@ -34,6 +34,13 @@ SandPoint moved(const SandPoint& y, double p_star, const SymmetricTensor& s, dou
 bool SandIntegrator::advance(SandPoint& y, SandStrain d) const {
   if (y.p_star < m_floor || y.gap > 1.0) drop_to_floor(y);
   close_gap(y, d);
+  const bool integrated = advance_skeleton(y, d);
+  if (y.gap > 1.0) y.p_star = m_gap.p_star(y.gap);
+  return integrated;
+}
+
+/// A gap that is open has no part in it but to open further.
+bool SandIntegrator::advance_skeleton(SandPoint& y, const SandStrain& d) const {
   Progress progress;
   for (int pass = 0; pass < max_passes && progress.remaining > smallest_part; ++pass) {
     if (at_floor(y) && d.volumetric <= 0.0) {

@@ -2,6 +2,7 @@
 
 #include "mpm/core/Tensor.hpp"
 #include "mpm/material/LoadingSurface.hpp"
+#include "mpm/material/SandGap.hpp"
 
 namespace mpm::material {
 
@@ -24,8 +25,8 @@ struct SandStrain {
 /// Integrates the law over one strain increment.
 class SandIntegrator {
  public:
-  SandIntegrator(const LoadingSurface& surface, const SandParameters& sand)
-      : m_surface(surface), m_floor(sand.pressure_floor), m_tolerance(sand.tolerance) {}
+  SandIntegrator(const LoadingSurface& surface, const SandGap& gap, const SandParameters& sand)
+      : m_surface(surface), m_gap(gap), m_floor(sand.pressure_floor), m_tolerance(sand.tolerance) {}
 
   /// False where the increment cannot be integrated.
   bool advance(SandPoint& y, SandStrain d) const;
@@ -56,6 +57,7 @@ class SandIntegrator {
   };
 
   bool at_floor(const SandPoint& y) const { return y.p_star <= m_floor * (1.0 + 1e-12); }
+  bool advance_skeleton(SandPoint& y, const SandStrain& d) const;
   void drop_to_floor(SandPoint& y) const;
   void close_gap(SandPoint& y, SandStrain& d) const;
   View view(const SandPoint& y, const SandStrain& d) const;
@@ -74,6 +76,7 @@ class SandIntegrator {
   void return_to_surface(SandPoint& y, const SandStrain& d) const;
 
   const LoadingSurface& m_surface;
+  const SandGap& m_gap;
   double m_floor;
   double m_tolerance;
 };

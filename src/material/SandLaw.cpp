@@ -40,6 +40,7 @@ SymmetricTensor not_integrable() {
 SandLaw::SandLaw(const SandParameters& sand)
     : m_sand(validated(sand)),
       m_surface(sand),
+      m_gap(sand),
       m_cohesion_shift(material::cohesion_shift(sand)),
       m_state_variables{
           {"void_ratio", "void ratio of the skeleton", "1", sand.void_ratio},
@@ -153,7 +154,7 @@ void SandLaw::update_stress(const Batch& batch) const {
 }
 
 void SandLaw::update_alone(const Batch& batch, std::size_t i) const {
-  const SandIntegrator integrator(m_surface, m_sand);
+  const SandIntegrator integrator(m_surface, m_gap, m_sand);
   double& e = batch.state[void_ratio][i];
   double& eps = batch.state[eps_q][i];
   double& gap = batch.state[gap_volume_ratio][i];
@@ -193,7 +194,8 @@ std::size_t SandLaw::count_at_limits(const Batch& batch) const {
   std::size_t count = 0;
   for (std::size_t i = 0; i < batch.size; ++i) {
     const double p_star = invariants(batch.stress.load(i)).p_star;
-    const bool at_floor = p_star <= m_sand.pressure_floor * (1.0 + 1e-9);
+    const bool at_floor =
+        p_star <= m_sand.pressure_floor * (1.0 + 1e-9) || batch.state[gap_volume_ratio][i] > 1.0;
     const double psi = batch.state[void_ratio][i] -
                        m_surface.critical_void_ratio(std::max(p_star, m_sand.pressure_floor));
     if (at_floor || psi >= m_sand.psi_cap) ++count;

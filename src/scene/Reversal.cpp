@@ -118,8 +118,8 @@ struct ReversalOptions {
 /// pressure and shear inside the loading surface: G depends on p, so it does the work
 /// (q^2/6)(1/G1 - 1/G2) per volume. Then cycles: sheared, torn until a gap opens, sheared back
 /// while open, closed and pressed together again. The state has to stay on the loading surface
-/// while eps_q grows and never lie outside it; an open gap carries no stress. Three dimensions,
-/// since plane strain knows no isotropic swelling.
+/// while eps_q grows and never lie outside it; an open gap carries what its opening leaves of the
+/// cohesion. Three dimensions, since plane strain knows no isotropic swelling.
 class ReversalRun {
  public:
   ReversalRun(const ReversalOptions& options, io::Summary& summary);
@@ -315,10 +315,12 @@ void ReversalRun::check(const particles::ParticleView<3>& view, int p, const Bef
   m_largest_volume_error =
       std::max(m_largest_volume_error,
                std::abs(view.volume[p] / (m_particle_volume * skeleton * gap) - 1.0));
-  if (gap > 1.0)
-    m_largest_gap_stress = std::max(
-        m_largest_gap_stress, (std::abs(stress.p_star - floor) + stress.q) / m_options.pressure);
-  if (stress.p_star <= floor * (1.0 + floor_margin)) {
+  if (gap > 1.0) {
+    const double difference = std::abs(stress.p_star - m_law.gap().p_star(gap));
+    m_largest_gap_stress =
+        std::max(m_largest_gap_stress, (difference + stress.q) / m_options.pressure);
+  }
+  if (gap > 1.0 || stress.p_star <= floor * (1.0 + floor_margin)) {
     ++m_at_floor;
     return;
   }

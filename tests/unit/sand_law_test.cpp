@@ -412,10 +412,23 @@ TEST(SandLaw, cohesion_only_shifts_the_mean_stress) {
 
 // Low stress -------------------------------------------------------------------------------------
 
-class LowStress : public ::testing::TestWithParam<double> {};
+struct LowStressSand {
+  const char* name;
+  double cohesion;
+  std::optional<double> gap_opening;
+};
+
+class LowStress : public ::testing::TestWithParam<LowStressSand> {
+ protected:
+  static SandLaw law() {
+    SandParameters sand = sand_with(0.657, GetParam().cohesion);
+    sand.gap_opening = GetParam().gap_opening;
+    return SandLaw(sand);
+  }
+};
 
 TEST_P(LowStress, has_no_nan_through_tension_and_back) {
-  const SandLaw law(sand_with(0.657, GetParam()));
+  const SandLaw law = LowStress::law();
   Particle particle(law, at_rest(3e3, 0.5));
   std::mt19937 generator(11);
   for (int k = 0; k < 20000; ++k) {
@@ -431,8 +444,8 @@ TEST_P(LowStress, has_no_nan_through_tension_and_back) {
   }
 }
 
-TEST_P(LowStress, reclosing_gap_carries_no_stress_before_it_is_closed) {
-  const SandLaw law(sand_with(0.657, GetParam()));
+TEST_P(LowStress, reclosing_gap_carries_its_tension_alone_before_it_is_closed) {
+  const SandLaw law = LowStress::law();
   Particle particle(law, at_rest(3e3, 0.5));
   double volumetric = 0.0;
   const auto strain_by = [&](const SymmetricTensor& strain) {
@@ -446,7 +459,7 @@ TEST_P(LowStress, reclosing_gap_carries_no_stress_before_it_is_closed) {
 
   while (std::log(particle.gap()) > 1.2e-3) {
     strain_by(1e-3 * principal(-0.4, -0.9, 0.1));
-    ASSERT_NEAR(particle.p_star(), 10.0, 1e-9);
+    ASSERT_NEAR(particle.p_star(), law.gap().p_star(particle.gap()), 1e-9);
     ASSERT_LT(particle.q(), 1e-9);
   }
   strain_by(1e-3 * principal(-0.4, -0.9, 0.1));
@@ -455,7 +468,11 @@ TEST_P(LowStress, reclosing_gap_carries_no_stress_before_it_is_closed) {
   EXPECT_GT(particle.p_star(), 20.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(SandLaw, LowStress, ::testing::Values(0.0, 1000.0));
+INSTANTIATE_TEST_SUITE_P(SandLaw, LowStress,
+                         ::testing::Values(LowStressSand{"frictional", 0.0, {}},
+                                           LowStressSand{"cohesive", 1000.0, {}},
+                                           LowStressSand{"fading", 1000.0, 2e-3}),
+                         [](const auto& instance) { return instance.param.name; });
 
 TEST(SandLaw, passes_nan_on) {
   const SandLaw law(sand_with(0.6, 1000.0));
@@ -464,6 +481,206 @@ TEST(SandLaw, passes_nan_on) {
   EXPECT_TRUE(std::isnan(particle.stress[1]));
   particle.strain_by(principal(1e-5, 0.0, 0.0));
   EXPECT_TRUE(std::isnan(particle.stress[1]));
+}
+
+// Vibration at constant volume --------------------------------------------------------------------
+
+class Vibration : public ::testing::TestWithParam<double> {};  // K0; 1 starts at eps_q = 0
+
+/// Isochoric strains that jump about the start, none of which adds up.
+double pressure_after_vibration(const SandLaw& law, double p, double K0, double size) {
+  Particle particle(law, at_rest(3.0 * p / (1.0 + 2.0 * K0), K0));
+  std::mt19937 generator(5);
+  SymmetricTensor before;
+  for (int k = 0; k < 20000; ++k) {
+    const SymmetricTensor strain = deviator(random_strain(generator, size));
+    particle.strain_by(strain + (-1.0) * before);
+    before = strain;
+  }
+  return -trace(particle.stress) / 3.0;
+}
+
+TEST_P(Vibration, of_a_small_size_takes_next_to_no_pressure) {
+  const double p = 90e3;
+  for (double e : {0.524, 0.63, 0.8})
+    for (double kappa : {0.012, 0.002}) {  // the stiffer sand reacts more to plastic volume
+      SandParameters sand = sand_with(e, 0.0);
+      sand.kappa = kappa;
+      const double share = pressure_after_vibration(SandLaw(sand), p, GetParam(), 4e-6) / p;
+      EXPECT_NEAR(share, 1.0, 4e-3) << e << " " << kappa;
+    }
+}
+
+TEST_P(Vibration, in_cycles_takes_its_toll_in_the_first_alone) {
+  const SandLaw law(sand_with(0.8, 0.0));
+  Particle particle(law, at_rest(120e3, GetParam()));
+  const SymmetricTensor shear{{0, 0, 0, 4e-5, 0, 0}};
+  cycle(particle, shear, 1);
+  cycle(particle, -1.0 * shear, 1);
+  const SymmetricTensor settled = particle.stress;
+  cycle(particle, shear, 200);
+  cycle(particle, -1.0 * shear, 200);
+  EXPECT_LT(norm(particle.stress + (-1.0) * settled), 1e-5 * particle.p_star());
+}
+
+/// Loose sand contracts down to it and no further, whatever the path at constant volume.
+TEST_P(Vibration, however_long_ends_at_the_critical_pressure) {
+  const SandParameters sand = sand_with(0.8, 0.0);
+  const SandLaw law(sand);
+  const double critical = 1e3 * std::exp((sand.e_Gamma - sand.void_ratio) / sand.lambda_c);
+  Particle particle(law, at_rest(120e3, GetParam()));
+  const SymmetricTensor shear{{0, 0, 0, 8e-4, 0, 0}};
+  double lowest = particle.p_star();
+  for (int k = 0; k < 300; ++k) {
+    for (double sign : {1.0, -2.0, 1.0}) particle.strain_by(sign * shear, 8);
+    lowest = std::min(lowest, particle.p_star());
+  }
+  EXPECT_NEAR(particle.p_star() / critical, 1.0, 0.05);
+  EXPECT_GT(lowest, 0.95 * critical);
+}
+
+INSTANTIATE_TEST_SUITE_P(SandLaw, Vibration, ::testing::Values(1.0, 0.5));
+
+// Gaps --------------------------------------------------------------------------------------------
+
+constexpr double fading = 0.013;    // J_gap - 1 at which the tension is gone
+constexpr double remnant = 1660.0;  // Pa, p_c less the floor
+
+SandParameters fading_sand(double cohesion = 1670.0) {
+  SandParameters sand = sand_with(0.657, cohesion);
+  sand.gap_opening = fading;
+  return sand;
+}
+
+/// Torn in all directions until the gap is open by the share.
+Particle torn(const SandLaw& law, double opening) {
+  Particle particle(law, at_rest(3e3, 0.5));
+  while (particle.gap() <= 1.0) particle.strain_by(1e-4 * principal(0.5, 1.0, 0.3));
+  const double missing = std::log((1.0 + opening) / particle.gap());
+  particle.strain_by(missing / 3.0 * principal(1.0, 1.0, 1.0));
+  return particle;
+}
+
+TEST(SandGap, tension_of_an_open_gap_fades_with_the_opening) {
+  const SandLaw law(fading_sand());
+  for (double share : {0.02, 0.31, 0.5, 0.94}) {
+    const Particle particle = torn(law, share * fading);
+    EXPECT_NEAR(particle.gap(), 1.0 + share * fading, 1e-13);
+    EXPECT_NEAR(particle.stress[0], (1.0 - share) * remnant, 1e-8);
+    EXPECT_EQ(particle.q(), 0.0);
+  }
+}
+
+TEST(SandGap, wide_open_carries_exactly_no_stress) {
+  SandParameters sand = fading_sand();
+  for (CohesionShift shift : {CohesionShift::plain, CohesionShift::cot_phi}) {
+    sand.cohesion_shift = shift;
+    const SandLaw law(sand);
+    for (double opening : {1.0001 * fading, 0.4}) {
+      Particle particle = torn(law, opening);
+      for (int k = 0; k < 6; ++k) EXPECT_EQ(particle.stress[k], 0.0);
+      particle.strain_by(1e-3 * SymmetricTensor{{0.4, -0.3, -0.1, 0.8, -0.5, 0.2}});
+      for (int k = 0; k < 6; ++k) EXPECT_EQ(particle.stress[k], 0.0);
+    }
+  }
+}
+
+TEST(SandGap, tension_comes_back_on_closing_on_the_same_line) {
+  const SandLaw law(fading_sand());
+  Particle particle = torn(law, 3.0 * fading);
+  const std::array<double, 3> state = particle.state;
+  while (particle.gap() > 1.0 + 0.05 * fading) {
+    particle.strain_by(2e-4 * principal(-0.7, -1.0, 0.2));
+    const double share = std::min(1.0, (particle.gap() - 1.0) / fading);
+    ASSERT_NEAR(particle.stress[1], (1.0 - share) * remnant, 1e-8);
+  }
+  EXPECT_EQ(particle.void_ratio(), state[SandLaw::void_ratio]);
+  EXPECT_EQ(particle.eps_q(), state[SandLaw::eps_q]);
+}
+
+TEST(SandGap, pressure_is_continuous_where_it_opens_and_closes) {
+  const SandLaw law(fading_sand());
+  const double slope = remnant / fading;  // Pa per volume strain
+  for (double beyond : {-1e-8, 1e-8}) {
+    Particle particle = torn(law, 0.2 * fading);
+    const double volumetric = std::log(particle.gap()) + beyond;
+    particle.strain_by(-volumetric / 3.0 * principal(1.0, 1.0, 1.0));
+    EXPECT_EQ(particle.gap() > 1.0, beyond < 0.0);
+    EXPECT_NEAR(particle.p_star(), 10.0, 2.0 * slope * std::abs(beyond));
+  }
+}
+
+TEST(SandGap, what_closing_leaves_of_an_increment_strains_the_sand_from_the_floor) {
+  const SandLaw law(fading_sand());
+  Particle at_once = torn(law, 0.6 * fading), in_two = torn(law, 0.6 * fading);
+  const double closing = std::log(at_once.gap()), further = 0.02;
+  const SymmetricTensor direction = principal(0.2, 0.5, 0.3);
+  at_once.strain_by(-(closing + further) * direction);
+  in_two.strain_by(-closing * (1.0 + 1e-12) * direction);
+  EXPECT_EQ(in_two.gap(), 1.0);
+  in_two.strain_by(-further * direction);
+  EXPECT_EQ(at_once.gap(), 1.0);
+  EXPECT_GT(at_once.p_star(), 40.0);
+  EXPECT_LT(norm(at_once.stress + (-1.0) * in_two.stress), 1e-5 * at_once.p_star());
+}
+
+TEST(SandGap, opened_and_closed_does_no_work) {
+  const SandLaw law(fading_sand());
+  Particle particle = torn(law, 0.1 * fading);
+  const SymmetricTensor start = particle.stress;
+  double work = 0.0, opening_work = 0.0;
+  const int parts = 4000;
+  for (int k = 0; k < 2 * parts; ++k) {
+    const double size = (k < parts ? 1.7 : -1.7) * fading / parts;
+    const SymmetricTensor strain = size * SymmetricTensor{{0.6, 0.3, 0.1, 0.9, 0, 0.2}};
+    const SymmetricTensor before = particle.stress;
+    particle.strain_by(strain);
+    work += 0.5 * contract(before + particle.stress, strain);
+    if (k + 1 == parts) opening_work = work;
+  }
+  // A triangle of 90 % of the remnant by 90 % of the opening, but for J_gap - 1 being no ln.
+  EXPECT_NEAR(opening_work, 0.5 * 0.81 * remnant * fading, 0.01 * opening_work);
+  EXPECT_NEAR(work, 0.0, 1e-9 * opening_work);
+  EXPECT_LT(norm(particle.stress + (-1.0) * start), 1e-7);
+}
+
+TEST(SandGap, is_counted_at_the_limits_however_far_it_is_open) {
+  const SandLaw law(fading_sand());
+  for (double share : {0.01, 0.5, 1.0, 20.0}) {
+    Particle particle = torn(law, share * fading);
+    EXPECT_EQ(law.count_at_limits(particle.batch()), 1U) << share;
+  }
+}
+
+/// The same strains to the law with and without the option; expects the same bits.
+void expect_option_without_effect(const SandParameters& sand) {
+  SandParameters without = sand;
+  without.gap_opening.reset();
+  const SandLaw law(sand), plain(without);
+  Particle particle(law, at_rest(3e3, 0.5)), expected(plain, at_rest(3e3, 0.5));
+  for (int k = 0; k < 3000; ++k) {
+    const double swell = 3e-4 * std::cos(5e-3 * k);
+    const SymmetricTensor strain{{swell, 0.7 * swell, 0.1 * swell, 1e-5, 0, 2e-5 * (k % 7 - 3)}};
+    particle.strain_by(strain);
+    expected.strain_by(strain);
+    for (int i = 0; i < 6; ++i) ASSERT_EQ(particle.stress[i], expected.stress[i]) << k;
+    ASSERT_EQ(particle.state, expected.state);
+  }
+}
+
+TEST(SandGap, has_no_tension_to_lose_without_cohesion) {
+  for (double cohesion : {0.0, 7.0}) expect_option_without_effect(fading_sand(cohesion));
+}
+
+TEST(SandGap, keeps_the_tension_of_the_floor_where_no_opening_is_given) {
+  SandParameters sand = fading_sand();
+  sand.gap_opening.reset();
+  const SandLaw law(sand);
+  for (double opening : {0.3 * fading, fading, 0.2}) {
+    const Particle particle = torn(law, opening);
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(particle.stress[k], remnant);
+    EXPECT_EQ(law.gap().p_star(1.0 + opening), sand.pressure_floor);
+  }
 }
 
 // Scalars ----------------------------------------------------------------------------------------

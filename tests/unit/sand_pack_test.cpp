@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(SandLaw, SandPacks,
 TEST_P(SandPacks, take_the_steps_of_the_scalar_integrator) {
   const SandParameters parameters = sand();
   const SandLaw law(parameters);
-  const SandIntegrator alone(law.surface(), parameters);
+  const SandIntegrator alone(law.surface(), law.gap(), parameters);
   const std::vector<Case> all = cases(law, 3, 30);
   Sands together(law, all.size());
   for (std::size_t p = 0; p < all.size(); ++p) together.set(p, all[p].particle, all[p].strain);

@@ -43,9 +43,11 @@ BOUNDS = [
     *(("traction", {"basis": basis}, {"error_stress_mean": 1e-4})
       for basis in ("linear", "quadratic", "cubic")),
     *(("reversal", {"cycles": 2, "confining_pressure": 20e3, "amplitude": 0.005,
-                    "strain_rate": 0.05, "update": update},
+                    "strain_rate": 0.05, **options},
        {"error_surface": 1e-6, "error_loop_work": 0.01, "error_volume": ROUND_OFF,
-        "stress_in_gap_max": ROUND_OFF}) for update in ("musl", "usf")),
+        "stress_in_gap_max": ROUND_OFF})
+      for options in ({"update": "musl"}, {"update": "usf"},
+                      {"sand_cohesion": 700.0, "sand_gap_opening": 1.5e-3})),
     ("collapse", {"cells": 10, "flip_time": 0.1}, {"error_run_out": 0.1}),
 ]
 # A free surface at every tenth of a cell.

@@ -2,6 +2,7 @@
 
 #include "mpm/material/LoadingSurface.hpp"
 #include "mpm/material/Material.hpp"
+#include "mpm/material/SandGap.hpp"
 #include "mpm/material/SandParameters.hpp"
 
 namespace mpm::material {
@@ -34,10 +35,11 @@ class SandLaw : public Material {
   /// BadInput with the stress ratio and the largest admissible one where there is no root.
   void initialise_from_stress(const Batch& batch) const override;
 
-  /// Particles at the pressure floor or at the cap of the state parameter.
+  /// Particles at the pressure floor, with a gap or at the cap of the state parameter.
   std::size_t count_at_limits(const Batch& batch) const override;
 
   const LoadingSurface& surface() const { return m_surface; }
+  const SandGap& gap() const { return m_gap; }
   SandInvariants invariants(const SymmetricTensor& stress) const;
 
   /// Smallest eps_q with qhat = q; `y.eps_q` is ignored. Throws BadInput if q is too large.
@@ -48,6 +50,7 @@ class SandLaw : public Material {
 
   SandParameters m_sand;
   LoadingSurface m_surface;
+  SandGap m_gap;
   double m_cohesion_shift;
   std::vector<StateVariable> m_state_variables;
 };

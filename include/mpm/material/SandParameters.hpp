@@ -50,6 +50,8 @@ struct SandConstants {
   Softening softening = Softening::normalized;
   Dilatancy dilatancy = Dilatancy::printed;
   BulkModulus bulk = BulkModulus::log;
+  /// J_gap - 1 over which the tension of a gap fades; without it, gaps keep that of the floor.
+  std::optional<double> gap_opening;
 };
 
 /// A sand as it lies in the ground, and how the law is computed.
