@@ -17,11 +17,6 @@ double cohesion_shift(const SandParameters& sand) {
   return sand.cohesion / std::tan(critical_friction_angle(sand));
 }
 
-double extension_ratio_of_equal_angles(double Mc) {
-  const double sine = 3.0 * Mc / (6.0 + Mc);
-  return (3.0 - sine) / (3.0 + sine);
-}
-
 double relative_density(const SandParameters& sand) {
   return (sand.e_max - sand.void_ratio) / (sand.e_max - sand.e_min);
 }

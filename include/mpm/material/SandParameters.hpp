@@ -73,9 +73,6 @@ double critical_friction_angle(const SandConstants& sand);
 /// p_c in Pa, the shift of the mean stress by cohesion.
 double cohesion_shift(const SandParameters& sand);
 
-/// c for which the critical friction angle is the same in extension: (3 - sin)/(3 + sin) of phi_c.
-double extension_ratio_of_equal_angles(double Mc);
-
 /// (e_max - e0)/(e_max - e_min), 1 when densest.
 double relative_density(const SandParameters& sand);
 
