@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "mpm/material/SandFactory.hpp"
 #include "mpm/options/OptionSet.hpp"
 #include "mpm/scene/Scene.hpp"
 
@@ -28,6 +31,45 @@ std::string section(const mpm::scene::SceneKind& kind) {
                      demote_headings(options.markdown()));
 }
 
+using Values = std::vector<std::pair<std::string, std::string>>;
+
+/// What -sand NAME alone sets.
+Values values_of(const mpm::material::NamedSand& sand) {
+  mpm::options::OptionSet options;
+  mpm::material::SandFactory factory;
+  factory.declare(options);
+  const std::vector<mpm::options::Given> given{{"sand", std::string(sand.name), "here"}};
+  options.assign(given);
+  return options.values();
+}
+
+/// Options in which the named sands differ, a column a sand.
+std::string table_of_sands() {
+  std::string head = "| option |", line = "|---|", rows;
+  std::vector<Values> columns;
+  for (const auto& sand : mpm::material::named_sands()) {
+    head += fmt::format(" `{}` |", sand.name);
+    line += "---|";
+    columns.push_back(values_of(sand));
+  }
+  for (std::size_t k = 1; k < columns[0].size(); ++k) {
+    const auto same = [&](const Values& column) { return column[k] == columns[0][k]; };
+    if (std::ranges::all_of(columns, same)) continue;
+    rows += fmt::format("| `-{}` |", columns[0][k].first);
+    for (const Values& column : columns)
+      rows += fmt::format(" {} |", column[k].second.empty() ? "-" : column[k].second);
+    rows += '\n';
+  }
+  std::string sentences;
+  for (const auto& sand : mpm::material::named_sands())
+    sentences += fmt::format("- `{}`: {}.\n", sand.name, sand.sentence);
+  return fmt::format(
+      "\n## Named sands\n\nWhat `-sand NAME` stands for, where they differ "
+      "([sands.md](sands.md) says why; the void ratio is that of the same relative density):\n\n"
+      "{}\n{}\n{}\n{}",
+      sentences, head, line, rows);
+}
+
 }  // namespace
 
 /// Prints docs/options.md from the declarations in the code.
@@ -44,5 +86,6 @@ int main() {
       "| scene | what it is |\n|---|---|\n");
   for (const auto& kind : mpm::scene::scene_kinds())
     fmt::print("| [{0}](#-scene-{0}) | {1} |\n", kind.name, kind.sentence);
+  fmt::print("{}", table_of_sands());
   for (const auto& kind : mpm::scene::scene_kinds()) fmt::print("{}", section(kind));
 }

@@ -106,6 +106,17 @@ CASES = [
      ["-sand_G0 200", "-material sand"]),
     (point("point11", "-material", "clay"), ["-material", "clay", "sand", "elastic"]),
     (point("point12", "-confining_pressure", "0"), ["-confining_pressure 0", "larger"]),
+    # sands
+    (point("sand1", "-sand", "toyora"), ["-sand toyora", "stockton_paper", "nearest is toyoura"]),
+    (point("sand2", "-sand_relative_density", "0.4", "-sand_void_ratio", "0.6"),
+     ["-sand_relative_density 0.4", "-sand_void_ratio 0.6", "leave one"]),
+    (point("sand3", "-sand_relative_density", "40"), ["-sand_relative_density 40", "0 to 1.2"]),
+    (point("sand4", "-sand_bulk", "log", "-sand_bulk_xi", "0.3"),
+     ["-sand_bulk_xi 0.3", "no effect", "-sand_bulk power"]),
+    (point("sand5", "-sand", "toyoura", "-sand_kappa", "0.02"),
+     ["-sand_kappa 0.02", "no effect", "-sand_bulk log"]),
+    (point("sand6", "-sand_d0", "1.3"), ["-sand_d0 1.3", "1.24", "-sand_Mc"]),
+    (point("sand7", "-sand_poisson", "0.5"), ["-sand_poisson 0.5", "< 0.5"]),
 ]
 FILES = {
     "plain.opts": b"-scene mms1d\n-cells 32\n",

@@ -43,9 +43,10 @@ def draw_angles(axes, rows, title):
             marker = MARKERS.get(float(row["pressure_kPa"]), "o")
             axes.plot(measured, computed, marker, ms=4, mfc="none", color=colour)
         axes.plot([], [], "o", ms=4, mfc="none", color=colour, label=LABELS[kind])
-    axes.plot([33, 56], [33, 56], color="0.3", lw=0.8)
-    axes.fill_between([33, 56], [30.5, 53.5], [35.5, 58.5], color="0.93", zorder=0)
-    axes.set(xlim=(33, 52), ylim=(33, 56), xlabel="measured peak angle (°)", title=title)
+    top = max(56.0, 1.0 + max(computed for _, computed, _ in points(rows, "deg")))
+    axes.plot([33, top], [33, top], color="0.3", lw=0.8)
+    axes.fill_between([33, top], [30.5, top - 2.5], [35.5, top + 2.5], color="0.93", zorder=0)
+    axes.set(xlim=(33, 52), ylim=(33, top), xlabel="measured peak angle (°)", title=title)
 
 
 def draw_strains(axes, rows):

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <string_view>
 
 #include "mpm/material/SandParameters.hpp"
@@ -17,8 +16,5 @@ struct NamedSand {
 
 /// The one table of sands: a new one is an entry here. The first is the default.
 std::span<const NamedSand> named_sands();
-
-/// Their constants side by side, as a Markdown table.
-std::string table_of_named_sands();
 
 }  // namespace mpm::material
