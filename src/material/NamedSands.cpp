@@ -24,26 +24,26 @@ SandConstants stockton() {
   return sand;
 }
 
-/// Elasticity and critical line by Dafalias & Manzari (2004); d0, m, eps_r and Poisson's ratio
-/// from the triaxial tests of Fukushima & Tatsuoka (1984).
+/// Elasticity and critical line by Dafalias & Manzari (2004); d0, m, eps_r, Poisson's ratio and, by
+/// the mean peak angle, c by tools/calibrate from the triaxial tests of Fukushima & Tatsuoka (1984).
 SandConstants toyoura() {
   SandConstants sand;
   sand.G0 = 125.0;
   sand.Mc = 1.25;
-  sand.c = equal_angles_at_the_peak;
+  sand.c = 0.656;
   sand.e_Gamma = 0.934;
   sand.lambda_c = 0.019;
   sand.xi = 0.7;
-  sand.d0 = 0.465;
-  sand.m = 6.95;
-  sand.eps_r = 0.046;
+  sand.d0 = 0.478;
+  sand.m = 6.67;
+  sand.eps_r = 0.045;
   sand.Gs = 2.64;
   sand.e_max = 0.977;
   sand.e_min = 0.605;
   sand.d50 = 0.16e-3;
   sand.dilatancy = Dilatancy::lode;
   sand.bulk = BulkModulus::poisson;
-  sand.poisson_ratio = 0.12;
+  sand.poisson_ratio = 0.137;
   sand.gap_opening = bridges_break;
   return sand;
 }

@@ -52,7 +52,6 @@ def draw(rows, path):
     made, axes = style.figure(2, 2, 26, 20)
     for panel, displacement in zip(axes, ("0.05", "0.1", "0.2", "0.4")):
         draw_panel(panel, rows, displacement)
-    made.legend(*axes[0].get_legend_handles_labels(), loc="lower center", ncol=6)
-    made.get_layout_engine().set(rect=(0, 0.06, 1, 1 - 0.06))
+    style.legend_below(made, axes[0], columns=6)
     made.savefig(path)
     plt.close(made)

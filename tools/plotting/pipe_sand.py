@@ -36,6 +36,6 @@ def draw(rows, path):
         panel.set_xlabel("$u/D$")
     for panel in axes[::2]:
         panel.set_ylabel("$N_d$")
-    made.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncol=4)
+    style.legend_below(made, axes[0], columns=4)
     made.savefig(path)
     plt.close(made)

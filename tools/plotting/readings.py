@@ -1,4 +1,4 @@
-"""Peak friction angle against confining pressure under the readings of Eq. 12, with Bolton's
+"""Peak friction angle against confining pressure under the readings of the sand law, with Bolton's
 correlation. usage: python3 -m plotting.readings TABLE PICTURE   (in tools/; docs/data/readings.csv)
 """
 
@@ -9,9 +9,11 @@ import matplotlib.pyplot as plt
 
 from . import style
 
-COLOURS = {"normalized": style.BLUE, "explicit": style.GREEN, "plain": style.ORANGE}
-LABELS = {"normalized": r"$f=x\,e^{1-x}$ (normalized)", "explicit": r"$D$ without $q$ (explicit)",
-          "plain": r"$f=x\,e^{-x}$ (plain)"}
+COLOURS = {"normalized": style.RED, "explicit": style.GREEN, "plain": style.ORANGE,
+           "lode": style.SKY, "house": style.BLUE}
+LABELS = {"normalized": "stockton_paper: $f=x\\,e^{1-x}$, $D$ as printed",
+          "explicit": "$D$ without $q$ (explicit)", "plain": r"$f=x\,e^{-x}$ (plain)",
+          "lode": "$gD$, $c$ = 0.7075", "house": "stockton: $gD$, $c$ = 0.65, stiffer $K$"}
 PACKINGS = {"0.524": "dense", "0.657": "medium"}
 TESTS = {"triaxial_compression": "triaxial compression", "plane_strain": "plane strain"}
 TICKS = [2, 5, 10, 20, 50, 100, 200, 400, 800]
@@ -38,7 +40,7 @@ def draw_panel(axes, rows, test, void_ratio, letter):
     pressures = bounds[0][0]
     angles = list(zip(*(bound[1] for bound in bounds)))
     axes.fill_between(pressures, [min(a) for a in angles], [max(a) for a in angles], color="0.8",
-                      lw=0.8, zorder=0, label="Bolton, at the $p$ of the three peaks")
+                      lw=0.8, zorder=0, label="Bolton, at the $p$ of the peaks")
     axes.set(xscale="log")
     axes.set_xticks(TICKS, [str(tick) for tick in TICKS])
     axes.minorticks_off()
@@ -50,7 +52,7 @@ def main(arguments):
         print(__doc__, file=sys.stderr)
         return 2
     rows = read(arguments[0])
-    made, panels = style.figure(2, 2, 17, 13.5, sharex=True, sharey="row")
+    made, panels = style.figure(2, 2, 17, 15.5, sharex=True, sharey="row")
     letters = iter("abcd")
     for k, void_ratio in enumerate(PACKINGS):
         for j, test in enumerate(TESTS):
@@ -59,7 +61,7 @@ def main(arguments):
         panel.set_xlabel("Confining pressure (kPa)")
     for panel in panels[::2]:
         panel.set_ylabel("Peak friction angle (°)")
-    panels[0].legend(loc="upper left")
+    style.legend_below(made, panels[0], columns=2, room=0.11)
     made.savefig(arguments[1])
     plt.close(made)
     return 0

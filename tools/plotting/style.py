@@ -36,6 +36,12 @@ def figure(rows, columns, width_cm, height_cm, **options):
     return made, list(axes.flat)
 
 
+def legend_below(made, axes, columns, room=0.06):
+    """One legend for the whole figure, under it, in a share of its height."""
+    made.legend(*axes.get_legend_handles_labels(), loc="lower center", ncol=columns)
+    made.get_layout_engine().set(rect=(0, room, 1, 1 - room))
+
+
 def save(made, run, name):
     """Writes the picture and returns its path."""
     path = run.path(name)

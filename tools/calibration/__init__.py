@@ -1,0 +1,1 @@
+"""Constants of the sand law from a user's own tests: tools/calibrate."""
