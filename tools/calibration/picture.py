@@ -14,31 +14,35 @@ CURVE_COLOURS = [style.BLUE, style.GREEN, style.RED, style.PURPLE, style.ORANGE,
 
 
 def draw(answer, path):
-    """`answer` has pairs of test and response, fitted and predicted."""
-    pairs = answer.fitted_pairs + answer.predicted_pairs
-    has_curves = any(len(test.ratio_curve) or len(test.volume_curve) for test, _ in pairs)
-    rows = 2 if has_curves else 1
+    """`answer` has pairs of test and response, fitted and predicted. A row of curves for each of
+    the two that has any, then peak angles."""
+    groups = [("fitted", answer.fitted_pairs), ("predicted", answer.predicted_pairs)]
+    groups = [(what, with_curves(pairs)) for what, pairs in groups if with_curves(pairs)]
+    rows = len(groups) + 1
     made, panels = style.figure(rows, 2, 17, 7.5 * rows + 0.5)
-    if has_curves:
-        draw_curves(panels[0], panels[1], pairs)
-    draw_angles(made, panels[-2], pairs)
+    for k, (what, pairs) in enumerate(groups):
+        draw_curves(panels[2 * k], panels[2 * k + 1], pairs, what)
+    draw_angles(made, panels[-2], answer.fitted_pairs + answer.predicted_pairs)
     draw_agreement(panels[-1], answer)
-    for letter, axes in zip("abcd", panels):
+    for letter, axes in zip("abcdef", panels):
         axes.set_title(f"({letter}) {axes.get_title('left')}")
     made.savefig(path)
     style.plt.close(made)
 
 
-def draw_curves(stress, volume, pairs):
-    shown = [(test, response) for test, response in pairs
-             if len(test.ratio_curve) or len(test.volume_curve)]
+def with_curves(pairs):
+    return [(test, response) for test, response in pairs
+            if len(test.ratio_curve) or len(test.volume_curve)]
+
+
+def draw_curves(stress, volume, pairs, what):
     volume.axhline(0, color="0.75", lw=0.8, zorder=0)
-    for k, (test, response) in enumerate(shown):
+    for k, (test, response) in enumerate(pairs):
         draw_curve(stress, volume, test, response, CURVE_COLOURS[k % len(CURVE_COLOURS)])
     stress.set(xlabel="Axial strain, size (%)", ylabel=r"$\sigma_1/\sigma_3$")
-    stress.set_title("Stress ratio (points: measured)")
-    volume.set(xlabel="Axial strain, size (%)", ylabel="Volumetric strain (%)")
-    volume.set_title("Volume change, compression +")
+    stress.set_title(f"Stress ratio, {what} (points: measured)")
+    volume.set(xlabel="Axial strain, size (%)", ylabel="Volumetric strain, compression + (%)")
+    volume.set_title(f"Volume change, {what}")
     volume.legend(loc="best", fontsize=7)
 
 

@@ -29,9 +29,12 @@ def verdict(rows):
     angles = [c - m for m, c, _ in points(rows, "deg", kind="plane_strain")]
     fitted = [c - m for m, c, _ in points(rows, "deg", kind="triaxial_compression")]
     strains = [math.log(c / m) for m, c, _ in points(rows, "strain_pct")]
+    bolton = [float(row["bolton_deg"]) - m for m, _, row in points(rows, "deg",
+                                                                   kind="plane_strain")]
     shares = [c - m for m, c, _ in points(rows, "residual_share")]
     return (f"{rows[0]['reading']}: plane strain {rms(angles):.2f} deg rms, "
-            f"mean {sum(angles) / len(angles):+.2f}; triaxial {rms(fitted):.2f} deg rms; strain at "
+            f"mean {sum(angles) / len(angles):+.2f} (Bolton {rms(bolton):.2f}, "
+            f"{sum(bolton) / len(bolton):+.2f}); triaxial {rms(fitted):.2f} deg rms; strain at "
             f"the peak {math.exp(sum(strains) / len(strains)):.2f} times, "
             f"{sum(abs(s) <= math.log(1.5) for s in strains)} of {len(strains)} within 1.5; "
             f"residual share {sum(shares) / len(shares):+.2f}")
