@@ -20,22 +20,37 @@ std::string names(std::span<const material::StateVariable> variables) {
 }  // namespace
 
 template <int dim>
-ParticleView<dim>::ParticleView(const Swarm<dim>& swarm, const FieldTable<dim>& fields)
+MemberHandles<dim>::MemberHandles(const FieldTable<dim>& fields)
+    : position(fields.handle("position")),
+      velocity(fields.handle("velocity")),
+      displacement(fields.handle("displacement")),
+      stress(fields.handle("stress")),
+      mass(fields.handle("mass")),
+      volume(fields.handle("volume")),
+      deviatoric_strain(fields.handle("deviatoric_strain")),
+      material(fields.template handle<PetscInt>("material")) {
+  if (fields.has("velocity_gradient")) velocity_gradient = fields.handle("velocity_gradient");
+}
+
+template <int dim>
+ParticleView<dim>::ParticleView(const Swarm<dim>& swarm, const FieldTable<dim>& fields,
+                                const MemberHandles<dim>& members)
     : count(swarm.local_count()), m_open(swarm.dm()) {
+  m_data.reserve(fields.columns().size());
   for (const auto& column : fields.columns()) m_data.push_back(m_open.open(column.name));
-  point_to(fields.handle("position"), position);
-  point_to(fields.handle("velocity"), velocity);
-  point_to(fields.handle("displacement"), displacement);
-  point_to(fields.handle("stress"), std::span(stress).first(tensor_components<dim>));
-  mass = (*this)[fields.handle("mass")];
-  volume = (*this)[fields.handle("volume")];
-  deviatoric_strain = (*this)[fields.handle("deviatoric_strain")];
   id = static_cast<std::int64_t*>(m_open.open(id_column));
-  material = (*this)[fields.template handle<PetscInt>("material")];
-  if (fields.has("velocity_gradient"))
+  point_to(members.position, position);
+  point_to(members.velocity, velocity);
+  point_to(members.displacement, displacement);
+  point_to(members.stress, std::span(stress).first(tensor_components<dim>));
+  mass = (*this)[members.mass];
+  volume = (*this)[members.volume];
+  deviatoric_strain = (*this)[members.deviatoric_strain];
+  material = (*this)[members.material];
+  if (members.velocity_gradient)
     for (int i = 0; i < dim; ++i)
       for (int j = 0; j < dim; ++j)
-        velocity_gradient[i][j] = column(fields.handle("velocity_gradient"), dim * i + j);
+        velocity_gradient[i][j] = column(*members.velocity_gradient, dim * i + j);
 }
 
 template <int dim>
@@ -49,6 +64,7 @@ Particles<dim>::Particles(grid::Grid<dim>& grid, Materials materials, OptionalCo
     : m_grid(grid),
       m_materials(std::move(materials)),
       m_fields(m_materials, optional),
+      m_members(m_fields),
       m_swarm(grid, "particle", m_fields.columns()),
       m_ranges(m_materials.size()) {}
 
@@ -192,6 +208,9 @@ material::Batch Particles<dim>::batch_of(const ParticleView<dim>& particles, int
   return batch;
 }
 
+template struct MemberHandles<1>;
+template struct MemberHandles<2>;
+template struct MemberHandles<3>;
 template class ParticleView<1>;
 template class ParticleView<2>;
 template class ParticleView<3>;

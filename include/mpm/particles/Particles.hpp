@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,12 +37,23 @@ struct Seed {
   int material = 0;
 };
 
+/// Where the columns are that a view has members for: views are opened once a step.
+template <int dim>
+struct MemberHandles {
+  explicit MemberHandles(const FieldTable<dim>& fields);
+
+  StateHandle position, velocity, displacement, stress, mass, volume, deviatoric_strain;
+  ColumnHandle<PetscInt> material;
+  std::optional<StateHandle> velocity_gradient;
+};
+
 /// Pointers into the swarm's arrays, one per scalar component. While one exists the swarm cannot
 /// change its size.
 template <int dim>
 class ParticleView {
  public:
-  ParticleView(const Swarm<dim>& swarm, const FieldTable<dim>& fields);
+  ParticleView(const Swarm<dim>& swarm, const FieldTable<dim>& fields,
+               const MemberHandles<dim>& members);
 
   int count = 0;
   std::array<double*, dim> position, velocity, displacement;
@@ -106,7 +118,7 @@ class Particles {
   /// some. Collective.
   void sort();
 
-  ParticleView<dim> view() const { return {m_swarm, m_fields}; }
+  ParticleView<dim> view() const { return {m_swarm, m_fields, m_members}; }
 
   /// The particles of a material after the last sort.
   Range range_of(int material) const { return m_ranges[static_cast<std::size_t>(material)]; }
@@ -139,10 +151,14 @@ class Particles {
   grid::Grid<dim>& m_grid;
   Materials m_materials;
   FieldTable<dim> m_fields;
+  MemberHandles<dim> m_members;
   Swarm<dim> m_swarm;
   std::vector<Range> m_ranges;
 };
 
+extern template struct MemberHandles<1>;
+extern template struct MemberHandles<2>;
+extern template struct MemberHandles<3>;
 extern template class ParticleView<1>;
 extern template class ParticleView<2>;
 extern template class ParticleView<3>;
