@@ -87,8 +87,8 @@ PARALLEL = {
     "footing": "-scene footing -cells 4 -max_steps 150",
 }
 # Names of answers that two runs of the same program need not share.
-PASSING = ("wall_s", "step_loop_s", "particle_updates_per_s", "peak_memory_bytes", "version",
-           "git_hash", "option_output_dir")
+PASSING = ("wall_s", "step_loop_s", "particle_updates_per_s", "peak_memory_bytes",
+           "bytes_per_particle", "version", "git_hash", "option_output_dir")
 
 
 def settings():
