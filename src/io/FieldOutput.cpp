@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <numeric>
+#include <type_traits>
 
 #include "mpm/io/Hdf5File.hpp"
 #include "mpm/io/TextFile.hpp"
@@ -13,36 +13,34 @@
 namespace mpm::io {
 namespace {
 
-/// N x 3 from the components that the dimension has, the rest zero.
-template <int dim>
-std::vector<double> as_vectors(const std::array<double*, dim>& components, int count) {
-  std::vector<double> rows(static_cast<std::size_t>(3 * count), 0.0);
-  for (int p = 0; p < count; ++p)
-    for (int d = 0; d < dim; ++d) rows[static_cast<std::size_t>(3 * p + d)] = components[d][p];
-  return rows;
-}
+using particles::Field;
+using particles::Role;
+using particles::Shape;
 
-std::vector<float> to_float(const std::vector<double>& values) {
-  return {values.begin(), values.end()};
-}
-
-/// Stress as xx yy zz xy yz xz, with p and q (compression positive).
-struct StressOutput {
-  std::vector<float> stress, p, q;
+/// How a shape stands in a file.
+struct FileShape {
+  const char* xdmf;
+  int columns;
 };
 
-template <int dim>
-StressOutput stress_output(const particles::ParticleView<dim>& view) {
-  StressOutput output;
-  for (int p = 0; p < view.count; ++p) {
-    SymmetricTensor stress;
-    for (int k = 0; k < tensor_components<dim>; ++k) stress[k] = view.stress[k][p];
-    for (int k = 0; k < SymmetricTensor::size; ++k)
-      output.stress.push_back(static_cast<float>(stress[k]));
-    output.p.push_back(static_cast<float>(-trace(stress) / 3.0));
-    output.q.push_back(static_cast<float>(std::sqrt(1.5) * norm(deviator(stress))));
+FileShape file_shape(Shape shape) {
+  switch (shape) {
+    case Shape::vector:
+      return {"Vector", 3};
+    case Shape::symmetric_tensor:
+      return {"Matrix", SymmetricTensor::size};  // six components as stored
+    case Shape::matrix:
+      return {"Tensor", 9};
+    default:
+      return {"Scalar", 1};
   }
-  return output;
+}
+
+/// Column of a component in the file.
+template <int dim>
+std::size_t place(Shape shape, int component) {
+  return static_cast<std::size_t>(shape == Shape::matrix ? 3 * (component / dim) + component % dim
+                                                         : component);
 }
 
 void write_attributes(Hdf5File& file, const Moment& moment) {
@@ -53,9 +51,8 @@ void write_attributes(Hdf5File& file, const Moment& moment) {
 
 struct XdmfArray {
   std::string name;
-  std::string type;    ///< Scalar, Vector, Matrix (six components as stored)
+  std::string type;    ///< Scalar, Vector, Matrix, Tensor
   std::string number;  ///< NumberType and Precision
-  int columns;
 };
 
 std::string data_item(const std::string& dimensions, const std::string& number,
@@ -64,8 +61,13 @@ std::string data_item(const std::string& dimensions, const std::string& number,
                      number, location);
 }
 
-constexpr auto float_number = "NumberType=\"Float\" Precision=\"4\"";
 constexpr auto double_number = "NumberType=\"Float\" Precision=\"8\"";
+
+template <class Value>
+std::string number_of() {
+  return fmt::format("NumberType=\"{}\" Precision=\"{}\"",
+                     std::is_integral_v<Value> ? "Int" : "Float", sizeof(Value));
+}
 
 std::string attribute(const XdmfArray& array, const std::string& centre,
                       const std::string& dimensions, const std::string& file) {
@@ -85,39 +87,30 @@ std::string collection(const std::string& name, const std::vector<std::string>& 
 }
 
 /// The HDF5 file of one moment's particles and, beside it, the XDMF that describes it.
+template <int dim>
 class ParticleFile {
  public:
-  ParticleFile(const std::string& directory, std::string name, long long global_count)
-      : m_name(std::move(name)), m_count(global_count), m_file(directory + "/" + m_name) {}
+  ParticleFile(const std::string& directory, std::string name,
+               const particles::Particles<dim>& particles)
+      : m_name(std::move(name)),
+        m_fields(particles.fields()),
+        m_view(particles.view()),
+        m_count(particles.global_count()),
+        m_file(directory + "/" + m_name) {}
 
-  /// Readers show no particles without explicit connectivity.
-  void geometry(const std::vector<double>& positions) {
-    m_file.rows("position", positions, 3);
-    const auto local = static_cast<long long>(positions.size() / 3);
-    long long up_to_here = local;
-    MPI_Scan(MPI_IN_PLACE, &up_to_here, 1, MPI_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
-    std::vector<std::int32_t> connectivity(static_cast<std::size_t>(local));
-    std::iota(connectivity.begin(), connectivity.end(),
-              static_cast<std::int32_t>(up_to_here - local));
-    m_file.rows("connectivity", connectivity, 1);
+  void geometry() {
+    const Field<dim>& position = m_fields.named("position");
+    m_file.rows(dataset(position), kept_rows<double, double>(position), 3);
+    connectivity();
   }
-  void scalar(const std::string& name, const std::vector<float>& values) {
-    m_file.rows(name, values, 1);
-    describe({name, "Scalar", float_number, 1});
-  }
-  void vector(const std::string& name, const std::vector<double>& rows) {
-    m_file.rows(name, to_float(rows), 3);
-    describe({name, "Vector", float_number, 3});
-  }
-  void tensor(const std::string& name, const std::vector<float>& rows) {
-    m_file.rows(name, rows, SymmetricTensor::size);
-    describe({name, "Matrix", float_number, SymmetricTensor::size});
-  }
-  template <class Integer>
-  void integers(const std::string& name, const std::vector<Integer>& values) {
-    m_file.rows(name, values, 1);
-    describe(
-        {name, "Scalar", fmt::format("NumberType=\"Int\" Precision=\"{}\"", sizeof(Integer)), 1});
+
+  void field(const Field<dim>& field) {
+    if (field.shape == Shape::id)
+      write(field, std::vector<std::int64_t>(m_view.id, m_view.id + m_view.count));
+    else if (field.shape == Shape::integer)
+      write(field, rows_of<PetscInt, std::int32_t>(field));
+    else
+      write(field, rows_of<double, float>(field));
   }
 
   /// Closes the file; returns the XDMF grid.
@@ -137,17 +130,76 @@ class ParticleFile {
   }
 
  private:
-  void describe(const XdmfArray& array) {
-    const std::string shape =
-        array.columns == 1 ? std::to_string(m_count) : fmt::format("{} {}", m_count, array.columns);
-    m_attributes += attribute(array, "Node", shape, m_name);
+  static Dataset dataset(const Field<dim>& field) {
+    return {field.name, field.long_name, field.unit};
   }
 
+  template <class Stored, class Written>
+  std::vector<Written> rows_of(const Field<dim>& field) const {
+    return field.role == Role::derived ? derived_rows<Written>(field)
+                                       : kept_rows<Stored, Written>(field);
+  }
+  template <class Written>
+  std::vector<Written> derived_rows(const Field<dim>& field) const;
+  template <class Stored, class Written>
+  std::vector<Written> kept_rows(const Field<dim>& field) const;
+  template <class Value>
+  void write(const Field<dim>& field, const std::vector<Value>& rows);
+  void connectivity();
+
   std::string m_name;
-  long long m_count;
+  const particles::FieldTable<dim>& m_fields;
+  const particles::ParticleView<dim> m_view;
+  long long m_count;  ///< of all ranks
   Hdf5File m_file;
   std::string m_attributes;
 };
+
+template <int dim>
+template <class Written>
+std::vector<Written> ParticleFile<dim>::derived_rows(const Field<dim>& field) const {
+  std::vector<Written> rows;
+  for (int p = 0; p < m_view.count; ++p)
+    rows.push_back(static_cast<Written>(field.value(m_view, p)));
+  return rows;
+}
+
+/// Components that the dimension leaves out are zero.
+template <int dim>
+template <class Stored, class Written>
+std::vector<Written> ParticleFile<dim>::kept_rows(const Field<dim>& field) const {
+  const auto count = static_cast<std::size_t>(m_view.count);
+  const auto width = static_cast<std::size_t>(file_shape(field.shape).columns);
+  const auto handle = m_fields.template handle<Stored>(field.name);
+  std::vector<Written> rows(count * width, Written{});
+  for (int k = 0; k < m_fields.components(field.shape); ++k) {
+    const Stored* const values = m_view.column(handle, k);
+    for (std::size_t p = 0; p < count; ++p)
+      rows[p * width + place<dim>(field.shape, k)] = static_cast<Written>(values[p]);
+  }
+  return rows;
+}
+
+template <int dim>
+template <class Value>
+void ParticleFile<dim>::write(const Field<dim>& field, const std::vector<Value>& rows) {
+  const auto [type, columns] = file_shape(field.shape);
+  m_file.rows(dataset(field), rows, columns);
+  const std::string dimensions =
+      columns == 1 ? std::to_string(m_count) : fmt::format("{} {}", m_count, columns);
+  m_attributes += attribute({field.name, type, number_of<Value>()}, "Node", dimensions, m_name);
+}
+
+/// Readers show no particles without it.
+template <int dim>
+void ParticleFile<dim>::connectivity() {
+  long long up_to_here = m_view.count;
+  MPI_Scan(MPI_IN_PLACE, &up_to_here, 1, MPI_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
+  std::vector<std::int32_t> rows(static_cast<std::size_t>(m_view.count));
+  std::iota(rows.begin(), rows.end(), static_cast<std::int32_t>(up_to_here - m_view.count));
+  m_file.rows({"connectivity", "row of the particle, for readers that ask for cells", "1"}, rows,
+              1);
+}
 
 }  // namespace
 
@@ -175,26 +227,10 @@ void FieldOutput<dim>::write(const Moment& moment, const particles::Particles<di
 template <int dim>
 std::string FieldOutput<dim>::write_particles(const Moment& moment,
                                               const particles::Particles<dim>& particles) {
-  const particles::ParticleView<dim> view = particles.view();
-  ParticleFile file(m_directory, path("particles"), particles.global_count());
-  file.geometry(as_vectors<dim>(view.position, view.count));
-  file.vector("velocity", as_vectors<dim>(view.velocity, view.count));
-  file.vector("displacement", as_vectors<dim>(view.displacement, view.count));
-  const StressOutput stress = stress_output<dim>(view);
-  file.tensor("stress", stress.stress);
-  file.scalar("p", stress.p);
-  file.scalar("q", stress.q);
-  const auto scalar = [&](const std::string& name, const double* values) {
-    file.scalar(name, {values, values + view.count});
-  };
-  scalar("deviatoric_strain", view.deviatoric_strain);
-  scalar("volume", view.volume);
-  for (std::size_t s = 0; s < view.state.size(); ++s)
-    scalar(particles.state_names()[s], view.state[s]);
-  file.integers("id", std::vector<std::int64_t>(view.id, view.id + view.count));
-  file.integers("material", std::vector<std::int32_t>(view.material, view.material + view.count));
-  file.integers(
-      "rank", std::vector<std::int32_t>(static_cast<std::size_t>(view.count), petsc::world_rank()));
+  ParticleFile<dim> file(m_directory, path("particles"), particles);
+  file.geometry();
+  for (const Field<dim>& field : particles.fields().all())
+    if (field.role != Role::state) file.field(field);
   return file.finish(moment);
 }
 
@@ -220,22 +256,25 @@ std::string FieldOutput<dim>::write_grid(const Moment& moment, const grid::Grid<
       moment.time, shape);
   for (int d = 0; d < 3; ++d) {
     const std::vector<double> line = d < dim ? grid.nodes(d).positions : std::vector<double>{0.0};
-    const std::string dataset = fmt::format("nodes_{}", "xyz"[d]);
+    const Dataset dataset{fmt::format("nodes_{}", "xyz"[d]),
+                          fmt::format("positions of the nodes along {}", "xyz"[d]), "m"};
     file.rows(dataset, petsc::world_rank() == 0 ? line : std::vector<double>{}, 1);
-    xdmf += data_item(std::to_string(line.size()), double_number, name + ":/" + dataset);
+    xdmf += data_item(std::to_string(line.size()), double_number, name + ":/" + dataset.name);
   }
   xdmf += "</Geometry>\n";
-  auto write = [&](const std::string& dataset, const std::vector<double>& values) {
+  auto write = [&](const Dataset& dataset, const std::vector<double>& values) {
     file.block(dataset, values, block);
-    xdmf += attribute({dataset, "Scalar", double_number, 1}, "Node", shape, name);
+    xdmf += attribute({dataset.name, "Scalar", double_number}, "Node", shape, name);
   };
   const std::vector<double> mass = grid.to_record(sums.values(0));
-  write("mass", mass);
+  write({"mass", "mass of the node", "kg"}, mass);
   for (int d = 0; d < dim; ++d) {
     std::vector<double> velocity = grid.to_record(sums.values(1 + d));
     for (std::size_t I = 0; I < mass.size(); ++I)
       velocity[I] = mass[I] > 0.0 ? velocity[I] / mass[I] : 0.0;
-    write(fmt::format("velocity_{}", "xyz"[d]), velocity);
+    write({fmt::format("velocity_{}", "xyz"[d]),
+           fmt::format("velocity of the node along {}", "xyz"[d]), "m/s"},
+          velocity);
   }
   file.close();
   return xdmf + "    </Grid>\n";

@@ -40,6 +40,26 @@ hsize_t product(const std::vector<hsize_t>& factors) {
   return result;
 }
 
+/// An attribute of a file or a dataset; tells whether it was written.
+bool write_attribute(hid_t object, const std::string& name, hid_t type, const void* value) {
+  const hid_t space = H5Screate(H5S_SCALAR);
+  const hid_t id = H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT);
+  const bool ok = id >= 0 && H5Awrite(id, type, value) >= 0;
+  if (id >= 0) H5Aclose(id);
+  H5Sclose(space);
+  return ok;
+}
+
+bool write_text_attribute(hid_t object, const std::string& name, const std::string& text) {
+  const hid_t type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, text.size());
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  const bool ok = write_attribute(object, name, type, text.data());
+  H5Tclose(type);
+  return ok;
+}
+
 }  // namespace
 
 /// Agrees over all ranks, so that none waits for another that has given up.
@@ -66,12 +86,7 @@ Hdf5File::~Hdf5File() {
 }
 
 void Hdf5File::attribute(const std::string& name, hid_t type, const void* value) {
-  const hid_t space = H5Screate(H5S_SCALAR);
-  const hid_t id = H5Acreate2(m_file, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT);
-  const bool ok = id >= 0 && H5Awrite(id, type, value) >= 0;
-  if (id >= 0) H5Aclose(id);
-  H5Sclose(space);
-  check(ok, "write attribute " + name + " to");
+  check(write_attribute(m_file, name, type, value), "write attribute " + name + " to");
 }
 
 void Hdf5File::attribute(const std::string& name, double value) {
@@ -82,7 +97,7 @@ void Hdf5File::attribute(const std::string& name, std::int64_t value) {
   attribute(name, H5T_NATIVE_INT64, &value);
 }
 
-void Hdf5File::write(const std::string& name, hid_t type, const void* data, const Block& block) {
+void Hdf5File::write(const Dataset& dataset, hid_t type, const void* data, const Block& block) {
   const auto rank = static_cast<int>(block.global.size());
   const hid_t file_space = H5Screate_simple(rank, block.global.data(), nullptr);
   const hid_t memory_space = H5Screate_simple(rank, block.local.data(), nullptr);
@@ -93,26 +108,27 @@ void Hdf5File::write(const std::string& name, hid_t type, const void* data, cons
     H5Sselect_hyperslab(file_space, H5S_SELECT_SET, block.first.data(), nullptr, block.local.data(),
                         nullptr);
   }
-  const hid_t set =
-      H5Dcreate2(m_file, name.c_str(), type, file_space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t set = H5Dcreate2(m_file, dataset.name.c_str(), type, file_space, H5P_DEFAULT,
+                               H5P_DEFAULT, H5P_DEFAULT);
   const hid_t transfer = H5Pcreate(H5P_DATASET_XFER);
   H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
-  const bool ok = set >= 0 && H5Dwrite(set, type, memory_space, file_space, transfer, data) >= 0;
+  const bool ok = set >= 0 && H5Dwrite(set, type, memory_space, file_space, transfer, data) >= 0 &&
+                  write_text_attribute(set, "long_name", dataset.long_name) &&
+                  write_text_attribute(set, "units", dataset.unit);
   H5Pclose(transfer);
   if (set >= 0) H5Dclose(set);
   H5Sclose(memory_space);
   H5Sclose(file_space);
-  check(ok, "write " + name + " to");
+  check(ok, "write " + dataset.name + " to");
 }
 
 template <class Value>
-void Hdf5File::block(const std::string& name, const std::vector<Value>& values,
-                     const Block& block) {
-  write(name, native_type<Value>(), values.data(), block);
+void Hdf5File::block(const Dataset& dataset, const std::vector<Value>& values, const Block& block) {
+  write(dataset, native_type<Value>(), values.data(), block);
 }
 
 template <class Value>
-void Hdf5File::rows(const std::string& name, const std::vector<Value>& values, int columns) {
+void Hdf5File::rows(const Dataset& dataset, const std::vector<Value>& values, int columns) {
   const auto width = static_cast<hsize_t>(columns);
   const unsigned long long local = values.size() / width;
   unsigned long long first = 0, global = 0;
@@ -124,7 +140,7 @@ void Hdf5File::rows(const std::string& name, const std::vector<Value>& values, i
     block.first.push_back(0);
     block.local.push_back(width);
   }
-  write(name, native_type<Value>(), values.data(), block);
+  write(dataset, native_type<Value>(), values.data(), block);
 }
 
 void Hdf5File::close() {
@@ -134,10 +150,10 @@ void Hdf5File::close() {
         "rename");
 }
 
-template void Hdf5File::rows(const std::string&, const std::vector<double>&, int);
-template void Hdf5File::rows(const std::string&, const std::vector<float>&, int);
-template void Hdf5File::rows(const std::string&, const std::vector<std::int64_t>&, int);
-template void Hdf5File::rows(const std::string&, const std::vector<std::int32_t>&, int);
-template void Hdf5File::block(const std::string&, const std::vector<double>&, const Block&);
+template void Hdf5File::rows(const Dataset&, const std::vector<double>&, int);
+template void Hdf5File::rows(const Dataset&, const std::vector<float>&, int);
+template void Hdf5File::rows(const Dataset&, const std::vector<std::int64_t>&, int);
+template void Hdf5File::rows(const Dataset&, const std::vector<std::int32_t>&, int);
+template void Hdf5File::block(const Dataset&, const std::vector<double>&, const Block&);
 
 }  // namespace mpm::io

@@ -5,114 +5,95 @@
 #include <algorithm>
 #include <numeric>
 
+#include "mpm/core/Errors.hpp"
 #include "mpm/petsc/Log.hpp"
 
 namespace mpm::particles {
 namespace {
 
-constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
-constexpr std::array<const char*, 6> tensor_names{"xx", "yy", "zz", "xy", "yz", "xz"};
-
-std::string velocity_gradient_name(int i, int j) {
-  return fmt::format("velocity_gradient_{}{}", axis_names[static_cast<std::size_t>(i)],
-                     axis_names[static_cast<std::size_t>(j)]);
+std::string names(std::span<const material::StateVariable> variables) {
+  std::vector<std::string> names;
+  for (const auto& variable : variables) names.push_back(variable.name);
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
 }  // namespace
 
 template <int dim>
-std::vector<std::string> column_names(const Field& field) {
-  std::vector<std::string> names;
-  if (field.shape == Field::Shape::scalar) return {field.name};
-  const int count = field.shape == Field::Shape::vector ? dim : tensor_components<dim>;
-  for (int k = 0; k < count; ++k)
-    names.push_back(field.name + "_" +
-                    (field.shape == Field::Shape::vector ? axis_names[k] : tensor_names[k]));
-  return names;
+MemberHandles<dim>::MemberHandles(const FieldTable<dim>& fields)
+    : position(fields.handle("position")),
+      velocity(fields.handle("velocity")),
+      displacement(fields.handle("displacement")),
+      stress(fields.handle("stress")),
+      mass(fields.handle("mass")),
+      volume(fields.handle("volume")),
+      deviatoric_strain(fields.handle("deviatoric_strain")),
+      material(fields.template handle<PetscInt>("material")) {
+  if (fields.has("velocity_gradient")) velocity_gradient = fields.handle("velocity_gradient");
 }
 
 template <int dim>
-ParticleView<dim>::ParticleView(const Swarm<dim>& swarm, std::span<const std::string> state_names,
-                                const OptionalColumns& optional)
-    : count(swarm.local_count()), m_columns(swarm.dm()) {
-  m_columns.open_vector("position", position);
-  m_columns.open_vector("velocity", velocity);
-  m_columns.open_vector("displacement", displacement);
-  for (int k = 0; k < tensor_components<dim>; ++k)
-    stress[k] = m_columns.reals(fmt::format("stress_{}", tensor_names[k]));
-  mass = m_columns.reals("mass");
-  volume = m_columns.reals("volume");
-  deviatoric_strain = m_columns.reals("deviatoric_strain");
-  id = static_cast<std::int64_t*>(m_columns.open("DMSwarm_pid"));
-  material = static_cast<PetscInt*>(m_columns.open("material"));
-  for (const std::string& name : state_names) state.push_back(m_columns.reals(name));
-  if (optional.velocity_gradient)
+ParticleView<dim>::ParticleView(const Swarm<dim>& swarm, const FieldTable<dim>& fields,
+                                const MemberHandles<dim>& members)
+    : count(swarm.local_count()), m_open(swarm.dm()) {
+  m_data.reserve(fields.columns().size());
+  for (const auto& column : fields.columns()) m_data.push_back(m_open.open(column.name));
+  id = static_cast<std::int64_t*>(m_open.open(id_column));
+  point_to(members.position, position);
+  point_to(members.velocity, velocity);
+  point_to(members.displacement, displacement);
+  point_to(members.stress, std::span(stress).first(tensor_components<dim>));
+  mass = (*this)[members.mass];
+  volume = (*this)[members.volume];
+  deviatoric_strain = (*this)[members.deviatoric_strain];
+  material = (*this)[members.material];
+  if (members.velocity_gradient)
     for (int i = 0; i < dim; ++i)
       for (int j = 0; j < dim; ++j)
-        velocity_gradient[i][j] = m_columns.reals(velocity_gradient_name(i, j));
+        velocity_gradient[i][j] = column(*members.velocity_gradient, dim * i + j);
+}
+
+template <int dim>
+void ParticleView<dim>::point_to(StateHandle handle, std::span<double*> components) {
+  int k = 0;
+  for (double*& component : components) component = column(handle, k++);
 }
 
 template <int dim>
 Particles<dim>::Particles(grid::Grid<dim>& grid, Materials materials, OptionalColumns optional)
     : m_grid(grid),
       m_materials(std::move(materials)),
-      m_optional(optional),
-      m_swarm(grid, "particle", declare_fields()),
+      m_fields(m_materials, optional),
+      m_members(m_fields),
+      m_swarm(grid, "particle", m_fields.columns()),
       m_ranges(m_materials.size()) {}
-
-/// Fills the lists of fields and states; returns the columns that hold them.
-template <int dim>
-std::vector<typename Swarm<dim>::Column> Particles<dim>::declare_fields() {
-  using Shape = Field::Shape;
-  m_fields = {{"position", "position", "m", Shape::vector},
-              {"velocity", "velocity", "m/s", Shape::vector},
-              {"displacement", "displacement since the start of loading", "m", Shape::vector},
-              {"stress", "Cauchy stress, tension positive", "Pa", Shape::tensor},
-              {"mass", "mass", "kg", Shape::scalar},
-              {"volume", "volume", "m^3", Shape::scalar},
-              {"deviatoric_strain", "accumulated deviatoric strain", "1", Shape::scalar}};
-  m_state_of_material.resize(m_materials.size());
-  for (std::size_t k = 0; k < m_materials.size(); ++k)
-    for (const material::StateVariable& variable : m_materials[k]->state_variables()) {
-      auto found = std::find(m_state_names.begin(), m_state_names.end(), variable.name);
-      m_state_of_material[k].push_back(
-          static_cast<std::size_t>(std::distance(m_state_names.begin(), found)));
-      if (found != m_state_names.end()) continue;
-      m_state_names.push_back(variable.name);
-      m_fields.push_back({variable.name, variable.long_name, variable.unit, Shape::scalar});
-    }
-  using Type = typename Swarm<dim>::Type;
-  std::vector<typename Swarm<dim>::Column> columns;
-  for (const Field& field : m_fields)
-    for (const std::string& name : column_names<dim>(field)) columns.push_back({name, Type::real});
-  columns.push_back({"material", Type::integer});
-  if (m_optional.velocity_gradient)
-    for (int i = 0; i < dim; ++i)
-      for (int j = 0; j < dim; ++j) columns.push_back({velocity_gradient_name(i, j), Type::real});
-  return columns;
-}
 
 template <int dim>
 void Particles<dim>::fill(const Seed<dim>& seed, const ParticleView<dim>& view, int p) const {
-  const auto k = static_cast<std::size_t>(seed.material);
+  const material::Material& law = *m_materials[static_cast<std::size_t>(seed.material)];
+  m_fields.set_initial(view, p);
   for (int d = 0; d < dim; ++d) {
     view.position[d][p] = seed.position[d];
     view.velocity[d][p] = seed.velocity[d];
-    view.displacement[d][p] = 0.0;
   }
-  for (int c = 0; c < tensor_components<dim>; ++c) view.stress[c][p] = 0.0;
-  view.mass[p] = seed.volume * m_materials[k]->initial_density();
+  view.mass[p] = seed.volume * law.initial_density();
   view.volume[p] = seed.volume;
-  view.deviatoric_strain[p] = 0.0;
   view.id[p] = seed.id;
   view.material[p] = seed.material;
-  for (double* state : view.state) state[p] = 0.0;
-  if (m_optional.velocity_gradient)
-    for (const auto& row : view.velocity_gradient)
-      for (double* component : row) component[p] = 0.0;
-  const auto variables = m_materials[k]->state_variables();
-  for (std::size_t s = 0; s < variables.size(); ++s)
-    view.state[m_state_of_material[k][s]][p] = variables[s].initial;
+  const auto variables = law.state_variables();
+  const auto states = m_fields.states(seed.material);
+  for (std::size_t s = 0; s < states.size(); ++s) view[states[s]][p] = variables[s].initial;
+}
+
+template <int dim>
+StateHandle Particles<dim>::state(int material, std::string_view name) const {
+  const material::Material& law = *m_materials[static_cast<std::size_t>(material)];
+  const auto variables = law.state_variables();
+  const auto found = std::ranges::find(variables, name, &material::StateVariable::name);
+  if (found == variables.end())
+    throw BadInput(fmt::format("law '{}' of material {} has no state variable '{}'; it has {}",
+                               law.name(), material, name, names(variables)));
+  return m_fields.states(material)[static_cast<std::size_t>(found - variables.begin())];
 }
 
 template <int dim>
@@ -222,19 +203,19 @@ material::Batch Particles<dim>::batch_of(const ParticleView<dim>& particles, int
   for (std::size_t k = 0; k < particles.stress.size(); ++k)
     if (particles.stress[k] != nullptr)
       batch.stress.component[k] = particles.stress[k] + range.first;
-  for (std::size_t s : m_state_of_material[static_cast<std::size_t>(material)])
-    batch.state.push_back(particles.state[s] + range.first);
+  for (const StateHandle state : m_fields.states(material))
+    batch.state.push_back(particles[state] + range.first);
   return batch;
 }
 
+template struct MemberHandles<1>;
+template struct MemberHandles<2>;
+template struct MemberHandles<3>;
 template class ParticleView<1>;
 template class ParticleView<2>;
 template class ParticleView<3>;
 template class Particles<1>;
 template class Particles<2>;
 template class Particles<3>;
-template std::vector<std::string> column_names<1>(const Field&);
-template std::vector<std::string> column_names<2>(const Field&);
-template std::vector<std::string> column_names<3>(const Field&);
 
 }  // namespace mpm::particles

@@ -14,7 +14,6 @@ namespace mpm::particles {
 namespace {
 
 constexpr PetscInt spare_points = 1000;  // room for arrivals before the swarm reallocates
-constexpr auto id_column = "DMSwarm_pid";
 
 }  // namespace
 

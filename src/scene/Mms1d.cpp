@@ -15,6 +15,8 @@ namespace {
 
 using std::numbers::pi;
 
+constexpr int the_bar = 0;  // the only material
+
 /// u = A sin(2 pi X) cos(c pi t) on 0 <= X <= 1 with P = E/2 (F - 1/F), held at both ends; the
 /// body force c^2 pi^2 u (1 + 2/F^2) makes it exact. Starts deformed and at rest, one period 2/c.
 class Mms1d : public Scene {
@@ -91,7 +93,7 @@ class Mms1d : public Scene {
     setup.materials = {std::make_shared<material::NeoHookean>(material::NeoHookeanParameters{
         .youngs_modulus = youngs_modulus, .poisson_ratio = 0.0, .density = 1.0})};
     setup.filling = {
-        [](const auto&) { return 0; },
+        [](const auto&) { return the_bar; },
         [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
     return setup;
   }
@@ -100,7 +102,7 @@ class Mms1d : public Scene {
   void deform(solver::Simulation<1>& simulation) const {
     {
       const auto view = simulation.particles().view();
-      double* J = view.state[0];
+      double* J = view[simulation.particles().state(the_bar, "volume_ratio")];
       for (int p = 0; p < view.count; ++p) {
         const double X = view.position[0][p], F = stretch(X, 0.0);
         view.displacement[0][p] = displacement(X, 0.0);

@@ -20,6 +20,7 @@ namespace {
 using material::SandInvariants;
 using material::SandLaw;
 
+constexpr int the_sand = 0;             // the only material
 constexpr double side = 0.1;            // m, of the cube
 constexpr int margin = 4;               // empty cells on every side: more than a spline reaches
 constexpr double room_strain = 4e-3;    // xy, makes room for a loop inside the surface
@@ -107,11 +108,21 @@ struct ReversalOptions {
         [](const Vector<3>& x) {
           const bool inside =
               std::all_of(x.begin(), x.end(), [](double c) { return c > 0.0 && c < side; });
-          return inside ? std::optional(0) : std::nullopt;
+          return inside ? std::optional(the_sand) : std::nullopt;
         },
         [this](const auto&) { return static_cast<int>(run.particles_per_cell_direction); }};
     return setup;
   }
+};
+
+/// The state of the only material.
+struct SandState {
+  explicit SandState(const particles::Particles<3>& particles)
+      : void_ratio(particles.state(the_sand, "void_ratio")),
+        eps_q(particles.state(the_sand, "eps_q")),
+        gap_volume_ratio(particles.state(the_sand, "gap_volume_ratio")) {}
+
+  particles::StateHandle void_ratio, eps_q, gap_volume_ratio;
 };
 
 /// A cube of sand that is moved homogeneously by its nodes. First a closed loop of isotropic
@@ -154,6 +165,7 @@ class ReversalRun {
   io::Summary& m_summary;
   solver::Simulation<3> m_simulation;
   const SandLaw& m_law;
+  SandState m_sand;
   std::shared_ptr<PrescribedMotion> m_motion;
   RunLoop<3> m_loop;
   io::CsvFile m_history;
@@ -176,7 +188,8 @@ ReversalRun::ReversalRun(const ReversalOptions& options, io::Summary& summary)
     : m_options(options),
       m_summary(summary),
       m_simulation(options.setup()),
-      m_law(dynamic_cast<const SandLaw&>(*m_simulation.particles().materials()[0])),
+      m_law(dynamic_cast<const SandLaw&>(*m_simulation.particles().materials()[the_sand])),
+      m_sand(m_simulation.particles()),
       m_motion(std::make_shared<PrescribedMotion>()),
       m_loop(options.run, m_simulation),
       m_history(options.run.output_dir + "/history.csv",
@@ -297,17 +310,14 @@ void ReversalRun::after_step() {
 }
 
 ReversalRun::Before ReversalRun::state_of(const particles::ParticleView<3>& view, int p) const {
-  Before state{view.state[SandLaw::eps_q][p], {}};
-  for (int k = 0; k < SymmetricTensor::size; ++k)
-    state.stress[k] = view.stress[static_cast<std::size_t>(k)][p];
-  return state;
+  return {view[m_sand.eps_q][p], view.stress_of(p)};
 }
 
 void ReversalRun::check(const particles::ParticleView<3>& view, int p, const Before& before) {
   const Before now = state_of(view, p);
   const SandInvariants stress = m_law.invariants(now.stress);
-  const double e = view.state[SandLaw::void_ratio][p];
-  const double gap = view.state[SandLaw::gap_volume_ratio][p];
+  const double e = view[m_sand.void_ratio][p];
+  const double gap = view[m_sand.gap_volume_ratio][p];
   const double floor = m_options.sand.parameters().pressure_floor;
   m_work += 0.5 * m_particle_volume * contract(before.stress + now.stress, m_strain);
   m_largest_gap = std::max(m_largest_gap, gap);
@@ -338,8 +348,8 @@ ReversalRun::Mean ReversalRun::mean() const {
     const auto view = m_simulation.particles().view();
     for (int p = 0; p < view.count; ++p) {
       stress += state_of(view, p).stress;
-      e += view.state[SandLaw::void_ratio][p];
-      eps_q += view.state[SandLaw::eps_q][p];
+      e += view[m_sand.void_ratio][p];
+      eps_q += view[m_sand.eps_q][p];
     }
   }
   const auto count = static_cast<double>(m_simulation.particles().global_count());
@@ -365,7 +375,7 @@ double ReversalRun::mean_gap() const {
   double sum = 0.0;
   {
     const auto view = m_simulation.particles().view();
-    for (int p = 0; p < view.count; ++p) sum += view.state[SandLaw::gap_volume_ratio][p];
+    for (int p = 0; p < view.count; ++p) sum += view[m_sand.gap_volume_ratio][p];
   }
   return petsc::sum(sum) / static_cast<double>(m_simulation.particles().global_count());
 }

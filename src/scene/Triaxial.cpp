@@ -15,6 +15,7 @@
 namespace mpm::scene {
 namespace {
 
+constexpr int the_sand = 0;              // the only material
 constexpr double side = 1.0;             // m, of the cube
 constexpr double row_spacing = 0.002;    // axial strain between rows of history.csv
 constexpr double ramp_strain = 0.001;    // axial strain in which the platen gets to its velocity
@@ -49,14 +50,14 @@ struct CubeState {
   double spread;  ///< largest deviation of a particle's stress from the mean, as a share of p
 };
 
-CubeState observe(const solver::Simulation<3>& simulation) {
+CubeState observe(const solver::Simulation<3>& simulation, particles::StateHandle void_ratio) {
   const auto& particles = simulation.particles();
   const auto view = particles.view();
   SymmetricTensor sum;
   double volume = 0.0, void_volume = 0.0;
   for (int p = 0; p < view.count; ++p) {
     volume += view.volume[p];
-    void_volume += view.volume[p] * view.state[0][p];
+    void_volume += view.volume[p] * view[void_ratio][p];
     for (int k = 0; k < SymmetricTensor::size; ++k) sum[k] += view.volume[p] * view.stress[k][p];
   }
   volume = petsc::sum(volume);
@@ -116,7 +117,8 @@ struct TriaxialOptions {
     setup.materials = {sand.create()};
     setup.filling = {
         [](const Vector<3>& x) {
-          return *std::max_element(x.begin(), x.end()) < side ? std::optional(0) : std::nullopt;
+          return *std::max_element(x.begin(), x.end()) < side ? std::optional(the_sand)
+                                                              : std::nullopt;
         },
         [this](const auto&) { return static_cast<int>(run.particles_per_cell_direction); }};
     return setup;
@@ -158,6 +160,7 @@ class TriaxialRun {
 
   void after_step();
   void write_row();
+  CubeState observe_cube() const { return observe(m_simulation, m_void_ratio); }
   double axial_stress_since_row(const CubeState& cube);
   void compare_with_material_point() const;
   double strain() const { return std::log(side / m_platen->height); }
@@ -165,6 +168,7 @@ class TriaxialRun {
   const TriaxialOptions& m_options;
   io::Summary& m_summary;
   solver::Simulation<3> m_simulation;
+  particles::StateHandle m_void_ratio;
   std::shared_ptr<Platen> m_platen = std::make_shared<Platen>();
   RunLoop<3> m_loop;
   io::CsvFile m_history;
@@ -180,6 +184,7 @@ TriaxialRun::TriaxialRun(const TriaxialOptions& options, io::Summary& summary)
     : m_options(options),
       m_summary(summary),
       m_simulation(options.setup()),
+      m_void_ratio(m_simulation.particles().state(the_sand, "void_ratio")),
       m_loop(options.run, m_simulation),
       m_history(options.run.output_dir + "/history.csv",
                 {"axial_strain", "q_Pa", "p_Pa", "volumetric_strain", "void_ratio",
@@ -187,7 +192,7 @@ TriaxialRun::TriaxialRun(const TriaxialOptions& options, io::Summary& summary)
   prescribe_pressure(m_simulation, options.pressure);
   m_simulation.boundary().add(options.sides());
   m_simulation.add_condition(m_platen);
-  m_initial_volume = observe(m_simulation).volume;
+  m_initial_volume = observe_cube().volume;
 }
 
 void TriaxialRun::run() {
@@ -225,7 +230,7 @@ double TriaxialRun::axial_stress_since_row(const CubeState& cube) {
 }
 
 void TriaxialRun::write_row() {
-  const CubeState cube = observe(m_simulation);
+  const CubeState cube = observe_cube();
   const auto& state = m_simulation.state();
   const double axial_stress = axial_stress_since_row(cube);
   const double volumetric = -std::log(cube.volume / m_initial_volume);

@@ -248,8 +248,10 @@ std::string Simulation<dim>::describe(int p) const {
   details["volume_m3"] = view.volume[p];
   for (int k = 0; k < tensor_components<dim>; ++k)
     details["stress_Pa"].push_back(view.stress[k][p]);
-  for (std::size_t s = 0; s < view.state.size(); ++s)
-    details[m_particles->state_names()[s]] = view.state[s][p];
+  const auto material = static_cast<int>(view.material[p]);
+  const auto& law = *m_particles->materials()[static_cast<std::size_t>(material)];
+  for (const auto& variable : law.state_variables())
+    details[variable.name] = view[m_particles->state(material, variable.name)][p];
   return details.dump();  // NaN becomes null
 }
 

@@ -31,6 +31,7 @@ class TimedLaw : public material::Material {
  public:
   explicit TimedLaw(std::unique_ptr<Material> law) : m_law(std::move(law)) {}
 
+  std::string_view name() const override { return m_law->name(); }
   std::span<const material::StateVariable> state_variables() const override {
     return m_law->state_variables();
   }
@@ -57,6 +58,7 @@ class TimedLaw : public material::Material {
 /// Leaves the stress as it is: what is left of the step without a law.
 class NoLaw : public material::Material {
  public:
+  std::string_view name() const override { return "none"; }
   std::span<const material::StateVariable> state_variables() const override { return {}; }
   double initial_density() const override { return 1700.0; }
   void update_stress(const material::Batch&) const override {}
@@ -93,20 +95,20 @@ void stress_and_stir(solver::Simulation<2>& simulation) {
   particles.materials()[0]->initialise_from_stress(particles.batch_of(view, 0));
 }
 
-/// Share of the particles of which the state variable, if there is one, grows in the next step.
-double share_growing(solver::Simulation<2>& simulation, std::size_t variable) {
+/// Share of the particles of which a state variable grows in the next step.
+double share_growing(solver::Simulation<2>& simulation, const std::string& variable) {
   std::vector<double> before;
   const auto count = static_cast<std::size_t>(simulation.particles().local_count());
+  const particles::StateHandle state = simulation.particles().state(0, variable);
   {
     const auto view = simulation.particles().view();
-    if (view.state.size() <= variable) return 0.0;
-    before.assign(view.state[variable], view.state[variable] + count);
+    before.assign(view[state], view[state] + count);
   }
   simulation.advance();
   const auto view = simulation.particles().view();
   double growing = 0.0;
   for (std::size_t p = 0; p < count; ++p)
-    if (view.state[variable][p] > before[p]) growing += 1.0;
+    if (view[state][p] > before[p]) growing += 1.0;
   return growing / static_cast<double>(count);
 }
 
@@ -115,13 +117,14 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+/// `plastic_measure` is the state variable that grows where the law is plastic, "" if it never is.
 void measure(const std::string& name, std::unique_ptr<material::Material> made,
-             std::size_t plastic_measure = 0) {
+             const std::string& plastic_measure) {
   const auto law = std::make_shared<TimedLaw>(std::move(made));
   solver::Simulation<2> simulation(box(law));
   stress_and_stir(simulation);
   for (int k = 0; k < warm_up; ++k) simulation.advance();
-  const double plastic = share_growing(simulation, plastic_measure);
+  const double plastic = plastic_measure.empty() ? 0.0 : share_growing(simulation, plastic_measure);
   std::vector<double> of_law, of_step;
   const double updates = steps * static_cast<double>(simulation.particles().local_count());
   for (int repetition = 0; repetition < repetitions; ++repetition) {
@@ -138,17 +141,21 @@ void measure(const std::string& name, std::unique_ptr<material::Material> made,
 void measure_all() {
   using namespace material;
   fmt::print("law,plastic_share,law_ns_per_particle,step_ns_per_particle\n");
-  measure("none", std::make_unique<NoLaw>());
-  measure("elastic", std::make_unique<LinearElastic>(
-                         LinearElasticParameters{.youngs_modulus = 25e6, .density = 1700.0}));
+  measure("none", std::make_unique<NoLaw>(), "");
+  measure("elastic",
+          std::make_unique<LinearElastic>(
+              LinearElasticParameters{.youngs_modulus = 25e6, .density = 1700.0}),
+          "");
   // Both start at their strength, so that half of the box yields and half unloads.
   measure("von_mises",
           std::make_unique<VonMises>(VonMisesParameters{
-              .elastic = {.youngs_modulus = 25e6, .density = 1700.0}, .shear_strength = 14.434e3}));
+              .elastic = {.youngs_modulus = 25e6, .density = 1700.0}, .shear_strength = 14.434e3}),
+          "plastic_strain");
   measure("mohr_coulomb",
           std::make_unique<MohrCoulomb>(MohrCoulombParameters{
-              .elastic = {.youngs_modulus = 25e6, .density = 1700.0}, .friction_angle = 19.4713}));
-  measure("sand", std::make_unique<SandLaw>(SandParameters{}), SandLaw::eps_q);
+              .elastic = {.youngs_modulus = 25e6, .density = 1700.0}, .friction_angle = 19.4713}),
+          "plastic_strain");
+  measure("sand", std::make_unique<SandLaw>(SandParameters{}), "eps_q");
 }
 
 }  // namespace

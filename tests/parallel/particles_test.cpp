@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <numeric>
 
@@ -77,21 +78,21 @@ struct Swarm {
   }
   std::array<basis::NodeLine, dim> nodes = test::node_lines<dim>(test::splines<dim>(lines<dim>()));
   grid::Grid<dim> grid{nodes, test::uneven_layout<dim>(nodes)};
-  Particles<dim> particles{grid, two_materials()};
+  Particles<dim> particles{grid, two_materials(), {.velocity_gradient = true}};
 };
 
 /// Calls visit(value, number of the column) for every real column of a particle but its position.
 template <int dim, class Visit>
-void for_each_column(const ParticleView<dim>& view, int p, const Visit& visit) {
+void for_each_column(const Particles<dim>& particles, const ParticleView<dim>& view, int p,
+                     const Visit& visit) {
   int column = 0;
-  for (int d = 0; d < dim; ++d) {
-    visit(view.velocity[d][p], column++);
-    visit(view.displacement[d][p], column++);
+  for (const Field<dim>& field : particles.fields().all()) {
+    const bool is_real = field.shape != Shape::integer && field.shape != Shape::id;
+    if (!is_real || field.role == Role::derived || field.name == "position") continue;
+    const StateHandle handle = particles.fields().handle(field.name);
+    for (int k = 0; k < FieldTable<dim>::components(field.shape); ++k)
+      visit(view.column(handle, k)[p], column++);
   }
-  for (int k = 0; k < tensor_components<dim>; ++k) visit(view.stress[k][p], column++);
-  for (double* values : {view.mass, view.volume, view.deviatoric_strain})
-    visit(values[p], column++);
-  for (double* state : view.state) visit(state[p], column++);
 }
 
 /// A number with all its bits in use that tells particles and columns apart.
@@ -103,7 +104,8 @@ template <int dim>
 void mark_fields(const Particles<dim>& particles) {
   const auto view = particles.view();
   for (int p = 0; p < view.count; ++p)
-    for_each_column(view, p, [&](double& value, int column) { value = mark(view.id[p], column); });
+    for_each_column(particles, view, p,
+                    [&](double& value, int column) { value = mark(view.id[p], column); });
 }
 
 /// By a share of the length in every direction, coming in again at the other end.
@@ -144,7 +146,7 @@ void migration_brings_every_particle_home_bit_for_bit(double share) {
     EXPECT_EQ(view.position_of(p), moved<dim>(seed->position, share));
     EXPECT_EQ(view.material[p], seed->material);
     EXPECT_EQ(swarm.grid.rank_of_cell(swarm.grid.cell_of(view.position_of(p))), test::world_rank());
-    for_each_column(view, p, [&](double& value, int column) {
+    for_each_column(particles, view, p, [&](double& value, int column) {
       EXPECT_EQ(value, mark(view.id[p], column)) << "column " << column;
     });
   }
@@ -196,7 +198,7 @@ TEST(Migration, works_where_ranks_have_no_particles) {
   EXPECT_EQ(petsc::sum(static_cast<long long>(view.count)), count);
   EXPECT_EQ(view.count > 0, test::world_rank() == test::world_size() - 1);
   for (int p = 0; p < view.count; ++p)
-    for_each_column(view, p,
+    for_each_column(swarm.particles, view, p,
                     [&](double& value, int column) { EXPECT_EQ(value, mark(view.id[p], column)); });
 }
 
@@ -250,17 +252,174 @@ TEST(Sorting, keeps_the_set_and_orders_by_material_then_cell) {
 
 TEST(Particles, start_with_the_mass_of_their_material_and_its_state) {
   Swarm<2> swarm;
+  const StateHandle volume_ratio = swarm.particles.state(1, "volume_ratio");
   const auto view = swarm.particles.view();
   for (int p = 0; p < view.count; ++p) {
     EXPECT_EQ(view.mass[p], view.volume[p] * (view.material[p] == 0 ? 1400.0 : 1700.0));
-    EXPECT_EQ(view.state[0][p], view.material[p] == 0 ? 0.0 : 1.0);
+    EXPECT_EQ(view[volume_ratio][p], view.material[p] == 0 ? 0.0 : 1.0);
   }
 }
 
 TEST(Particles, memory_of_one_is_that_of_its_columns) {
   Swarm<2> swarm;
-  // Position, velocity, displacement, 4 stresses, mass, volume, strain, one state; material; id.
-  EXPECT_EQ(swarm.particles.bytes_per_particle(), 14 * 8u + sizeof(PetscInt) + 8u);
+  // Position, velocity, displacement, 4 stresses, mass, volume, strain, one state, 4 gradients;
+  // material; id.
+  EXPECT_EQ(swarm.particles.bytes_per_particle(), 18 * 8u + sizeof(PetscInt) + 8u);
+}
+
+// State of the laws ------------------------------------------------------------------------------
+
+/// A law with any state; it does nothing.
+class Keeper : public material::LinearElastic {
+ public:
+  Keeper(std::string name, std::vector<material::StateVariable> variables)
+      : LinearElastic({.youngs_modulus = 3e5, .poisson_ratio = 0.2, .density = 1400.0}),
+        m_name(std::move(name)),
+        m_variables(std::move(variables)) {}
+  std::string_view name() const override { return m_name; }
+  std::span<const material::StateVariable> state_variables() const override { return m_variables; }
+
+ private:
+  std::string m_name;
+  std::vector<material::StateVariable> m_variables;
+};
+
+/// Two laws that share a variable, which both declare second or third.
+Materials keepers(bool swapped) {
+  Materials laws{
+      std::make_shared<Keeper>(
+          "silt",
+          std::vector<material::StateVariable>{{"water", "content of water", "1", 0.2},
+                                               {"age", "time since it was laid", "s", 3.0}}),
+      std::make_shared<Keeper>("clay", std::vector<material::StateVariable>{
+                                           {"salt", "content of salt", "1", 0.03},
+                                           {"water", "content of water", "1", 0.7},
+                                           {"age", "time since it was laid", "s", 5.0}})};
+  if (swapped) std::swap(laws[0], laws[1]);
+  return laws;
+}
+
+/// Particles of the two laws, silt in the left half whatever its number.
+struct Layers {
+  explicit Layers(bool swapped)
+      : silt(swapped ? 1 : 0), clay(1 - silt), particles(grid, keepers(swapped)) {
+    const Filling<2> filling{[&](const Vector<2>& x) { return x[0] < 1.7 ? silt : clay; },
+                             [](const auto&) { return 2; }};
+    particles.add(seeds_of<2>(grid.owned_cells(), filling));
+  }
+  int silt, clay;
+  std::array<basis::NodeLine, 2> nodes = test::node_lines<2>(test::splines<2>(lines<2>()));
+  grid::Grid<2> grid{nodes, test::uneven_layout<2>(nodes)};
+  Particles<2> particles;
+};
+
+TEST(State, starts_as_its_law_says_and_is_found_by_name_in_either_order_of_the_laws) {
+  for (const bool swapped : {false, true}) {
+    Layers layers(swapped);
+    const Particles<2>& particles = layers.particles;
+    const StateHandle silt_water = particles.state(layers.silt, "water"),
+                      silt_age = particles.state(layers.silt, "age"),
+                      clay_salt = particles.state(layers.clay, "salt"),
+                      clay_water = particles.state(layers.clay, "water"),
+                      clay_age = particles.state(layers.clay, "age");
+    const auto view = particles.view();
+    for (int p = 0; p < view.count; ++p) {
+      const bool is_silt = view.position[0][p] < 1.7;
+      EXPECT_EQ(view[is_silt ? silt_water : clay_water][p], is_silt ? 0.2 : 0.7);
+      EXPECT_EQ(view[is_silt ? silt_age : clay_age][p], is_silt ? 3.0 : 5.0);
+      EXPECT_EQ(view[clay_salt][p], is_silt ? 0.0 : 0.03);
+    }
+  }
+}
+
+TEST(State, goes_with_its_particle_in_either_order_of_the_laws) {
+  for (const bool swapped : {false, true}) {
+    Layers layers(swapped);
+    Particles<2>& particles = layers.particles;
+    const std::array handles{particles.state(layers.silt, "age"),
+                             particles.state(layers.clay, "salt"),
+                             particles.state(layers.clay, "water")};
+    {
+      const auto view = particles.view();
+      for (int p = 0; p < view.count; ++p) {
+        for (std::size_t h = 0; h < handles.size(); ++h)
+          view[handles[h]][p] = mark(view.id[p], static_cast<int>(h));
+        const Vector<2> x = moved<2>(view.position_of(p), 0.55);
+        for (int d = 0; d < 2; ++d) view.position[d][p] = x[d];
+      }
+    }
+    particles.migrate();
+    const auto view = particles.view();
+    for (int p = 0; p < view.count; ++p)
+      for (std::size_t h = 0; h < handles.size(); ++h)
+        EXPECT_EQ(view[handles[h]][p], mark(view.id[p], static_cast<int>(h)));
+  }
+}
+
+TEST(State, reaches_its_law_in_the_order_that_the_law_declares) {
+  for (const bool swapped : {false, true}) {
+    Layers layers(swapped);
+    const auto view = layers.particles.view();
+    const material::Batch batch = layers.particles.batch_of(view, layers.clay);
+    ASSERT_EQ(batch.state.size(), 3u);
+    const std::array initial{0.03, 0.7, 5.0};
+    for (std::size_t s = 0; s < 3; ++s)
+      for (std::size_t p = 0; p < batch.size; ++p) EXPECT_EQ(batch.state[s][p], initial[s]);
+  }
+}
+
+std::string refusal(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const BadInput& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+TEST(State, that_a_law_does_not_have_is_refused_with_its_name_and_what_it_has) {
+  const Layers layers(true);
+  EXPECT_EQ(refusal([&] { layers.particles.state(layers.silt, "salt"); }),
+            "law 'silt' of material 1 has no state variable 'salt'; it has water, age");
+}
+
+TEST(Fields, of_one_name_and_different_units_are_refused) {
+  const auto table_with = [](const std::string& name, const std::string& unit) {
+    const FieldTable<2> table(
+        {std::make_shared<Keeper>("silt",
+                                  std::vector<material::StateVariable>{{"age", "age", "s", 0.0}}),
+         std::make_shared<Keeper>("clay",
+                                  std::vector<material::StateVariable>{{name, "age", unit, 0.0}})},
+        {});
+  };
+  EXPECT_EQ(refusal([&] { table_with("age", "s"); }), "not refused");
+  EXPECT_NE(refusal([&] { table_with("age", "day"); }).find("law 'clay' declares 'age' in day"),
+            std::string::npos);
+  EXPECT_NE(refusal([&] { table_with("volume", "m^3"); }).find("law 'clay' declares 'volume'"),
+            std::string::npos);
+}
+
+TEST(Fields, that_have_no_columns_of_a_kind_give_no_handle) {
+  const Swarm<2> swarm;
+  const FieldTable<2>& fields = swarm.particles.fields();
+  EXPECT_THROW(fields.handle("q"), BadInput);
+  EXPECT_THROW(fields.handle("id"), BadInput);
+  EXPECT_THROW(fields.handle("material"), BadInput);  // whole numbers
+  EXPECT_THROW(fields.handle<PetscInt>("mass"), BadInput);
+  EXPECT_THROW(fields.handle("volumes"), BadInput);
+}
+
+TEST(Fields, start_at_their_initial_value_in_every_component) {
+  const Swarm<2> swarm;
+  const auto view = swarm.particles.view();
+  for (const Field<2>& field : swarm.particles.fields().all()) {
+    if (field.name != "velocity" && field.name != "velocity_gradient" && field.name != "stress")
+      continue;
+    for (int k = 0; k < FieldTable<2>::components(field.shape); ++k) {
+      const double* values = view.column(swarm.particles.fields().handle(field.name), k);
+      for (int p = 0; p < view.count; ++p) EXPECT_EQ(values[p], 0.0) << field.name << k;
+    }
+  }
 }
 
 // Seeding ---------------------------------------------------------------------------------------

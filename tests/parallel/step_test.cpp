@@ -547,7 +547,7 @@ void expect_failure_that_names_the_victim(const std::string& reason, const Chang
   {
     const auto view = simulation.particles().view();
     for (int p = 0; p < view.count; ++p)
-      if (view.id[p] == victim) ++victims, change(view, p);
+      if (view.id[p] == victim) ++victims, change(simulation.particles(), view, p);
   }
   EXPECT_EQ(petsc::sum(static_cast<long long>(victims)), 1);
   std::string message, details;
@@ -565,13 +565,15 @@ void expect_failure_that_names_the_victim(const std::string& reason, const Chang
 }
 
 TEST(Failure, a_particle_thrown_out_of_a_free_wall_stops_all_ranks_by_name) {
-  expect_failure_that_names_the_victim("left the grid",
-                                       [](const auto& view, int p) { view.velocity[1][p] = -0.7; });
+  expect_failure_that_names_the_victim(
+      "left the grid", [](const auto&, const auto& view, int p) { view.velocity[1][p] = -0.7; });
 }
 
 TEST(Failure, a_stress_that_is_not_a_number_stops_all_ranks_by_name) {
   expect_failure_that_names_the_victim("not a number",
-                                       [](const auto& view, int p) { view.state[0][p] = 1.0; });
+                                       [](const auto& particles, const auto& view, int p) {
+                                         view[particles.state(0, "fuse")][p] = 1.0;
+                                       });
 }
 
 // Order in time ---------------------------------------------------------------------------------

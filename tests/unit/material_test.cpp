@@ -200,6 +200,11 @@ std::unique_ptr<MaterialFactory> factory_of(std::string_view name) {
   throw BadInput("no such law");
 }
 
+TEST(MaterialKinds, every_law_has_the_name_that_it_is_chosen_by) {
+  for (const MaterialKind& kind : material_kinds())
+    EXPECT_EQ(kind.make_factory()->create()->name(), kind.name);
+}
+
 TEST(MaterialKinds, every_law_is_created_from_its_defaults) {
   for (const MaterialKind& kind : material_kinds()) {
     options::OptionSet set;

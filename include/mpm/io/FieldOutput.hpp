@@ -17,7 +17,7 @@ struct Moment {
 };
 
 /// Particles and grid over time: per output one HDF5 file each, and particles.xdmf and grid.xdmf
-/// that join them for ParaView.
+/// that join them for ParaView. Every dataset has the attributes long_name and units.
 template <int dim>
 class FieldOutput {
  public:

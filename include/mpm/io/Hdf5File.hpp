@@ -8,6 +8,13 @@
 
 namespace mpm::io {
 
+/// What a dataset is. Readers find the rest as its attributes long_name and units.
+struct Dataset {
+  std::string name;
+  std::string long_name;  ///< for people
+  std::string unit;       ///< SI, "1" when dimensionless
+};
+
 /// An HDF5 file that all ranks write together. It is written as `path.part` and gets its name
 /// when closed, so that a file of that name is always whole. All calls are collective; failures
 /// throw NumericalFailure on all ranks.
@@ -23,20 +30,20 @@ class Hdf5File {
 
   /// Rows of all ranks one after another: `rows` of `columns` values each from this rank.
   template <class Value>
-  void rows(const std::string& name, const std::vector<Value>& values, int columns);
+  void rows(const Dataset& dataset, const std::vector<Value>& values, int columns);
 
   /// An array of up to three directions, slowest first, of which this rank holds a box.
   struct Block {
     std::vector<hsize_t> global, first, local;
   };
   template <class Value>
-  void block(const std::string& name, const std::vector<Value>& values, const Block& block);
+  void block(const Dataset& dataset, const std::vector<Value>& values, const Block& block);
 
   /// Flushes, closes and renames.
   void close();
 
  private:
-  void write(const std::string& name, hid_t type, const void* data, const Block& block);
+  void write(const Dataset& dataset, hid_t type, const void* data, const Block& block);
   void attribute(const std::string& name, hid_t type, const void* value);
   void check(bool ok, const std::string& what) const;
 

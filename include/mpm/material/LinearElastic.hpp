@@ -23,6 +23,7 @@ class LinearElastic : public Material {
   explicit LinearElastic(const LinearElasticParameters& parameters,
                          std::string_view prefix = "elastic");
 
+  std::string_view name() const override { return "elastic"; }
   std::span<const StateVariable> state_variables() const override { return {}; }
   double initial_density() const override { return m_density; }
   void update_stress(const Batch& batch) const override;

@@ -56,6 +56,9 @@ class Material {
  public:
   virtual ~Material() = default;
 
+  /// For messages; that of -material where the law can be chosen there.
+  virtual std::string_view name() const = 0;
+
   virtual std::span<const StateVariable> state_variables() const = 0;
 
   /// Mass density of the undeformed material, kg/m^3.

@@ -27,6 +27,7 @@ class MohrCoulomb : public Material {
   /// where the elastic constants make no sense.
   explicit MohrCoulomb(const MohrCoulombParameters& parameters);
 
+  std::string_view name() const override { return "mohr_coulomb"; }
   std::span<const StateVariable> state_variables() const override;
   double initial_density() const override { return m_elastic.initial_density(); }
   void update_stress(const Batch& batch) const override;

@@ -18,6 +18,7 @@ class NeoHookean : public Material {
   /// Throws BadInput on values without sense.
   explicit NeoHookean(const NeoHookeanParameters& parameters);
 
+  std::string_view name() const override { return "neo_hookean"; }
   std::span<const StateVariable> state_variables() const override;
   double initial_density() const override { return m_parameters.density; }
   void update_stress(const Batch& batch) const override;

@@ -26,6 +26,7 @@ class SandLaw : public Material {
   /// Indices into Batch::state.
   enum State : std::size_t { void_ratio, eps_q, gap_volume_ratio };
 
+  std::string_view name() const override { return "sand"; }
   std::span<const StateVariable> state_variables() const override { return m_state_variables; }
   double initial_density() const override;
   void update_stress(const Batch& batch) const override;

@@ -21,6 +21,7 @@ class VonMises : public Material {
   /// Throws BadInput unless c > 0, and where the elastic constants make no sense.
   explicit VonMises(const VonMisesParameters& parameters);
 
+  std::string_view name() const override { return "von_mises"; }
   std::span<const StateVariable> state_variables() const override;
   double initial_density() const override { return m_elastic.initial_density(); }
   void update_stress(const Batch& batch) const override;

@@ -3,32 +3,17 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "mpm/grid/Grid.hpp"
 #include "mpm/material/Material.hpp"
+#include "mpm/particles/FieldTable.hpp"
 #include "mpm/particles/Swarm.hpp"
 
 namespace mpm::particles {
-
-/// What a particle field is. One declaration: registration, migration, sorting and output follow.
-struct Field {
-  enum class Shape { scalar, vector, tensor };
-  std::string name;
-  std::string long_name;  ///< for people, with the sign convention
-  std::string unit;
-  Shape shape;
-};
-
-using Materials = std::vector<std::shared_ptr<const material::Material>>;
-
-/// Columns that only some runs need.
-struct OptionalColumns {
-  bool velocity_gradient = false;  ///< of the particle's own motion, carried by affine transfers
-};
 
 /// The particles [first, last) of a rank.
 struct Range {
@@ -52,13 +37,23 @@ struct Seed {
   int material = 0;
 };
 
+/// Where the columns are that a view has members for: views are opened once a step.
+template <int dim>
+struct MemberHandles {
+  explicit MemberHandles(const FieldTable<dim>& fields);
+
+  StateHandle position, velocity, displacement, stress, mass, volume, deviatoric_strain;
+  ColumnHandle<PetscInt> material;
+  std::optional<StateHandle> velocity_gradient;
+};
+
 /// Pointers into the swarm's arrays, one per scalar component. While one exists the swarm cannot
 /// change its size.
 template <int dim>
 class ParticleView {
  public:
-  ParticleView(const Swarm<dim>& swarm, std::span<const std::string> state_names,
-               const OptionalColumns& optional);
+  ParticleView(const Swarm<dim>& swarm, const FieldTable<dim>& fields,
+               const MemberHandles<dim>& members);
 
   int count = 0;
   std::array<double*, dim> position, velocity, displacement;
@@ -70,11 +65,26 @@ class ParticleView {
   std::array<std::array<double*, dim>, dim> velocity_gradient{};
   std::int64_t* id = nullptr;
   PetscInt* material = nullptr;
-  /// State variables of the laws, in the order of Particles::state_names().
-  std::vector<double*> state;
+
+  /// The values of any scalar field, such as a law's state.
+  template <class Value>
+  Value* operator[](ColumnHandle<Value> handle) const {
+    return column(handle, 0);
+  }
+  /// The values of a component of any field.
+  template <class Value>
+  Value* column(ColumnHandle<Value> handle, int component) const {
+    return static_cast<Value*>(m_data[handle.m_first_column + static_cast<std::size_t>(component)]);
+  }
 
   Vector<dim> position_of(int p) const { return gather(position, p); }
   Vector<dim> velocity_of(int p) const { return gather(velocity, p); }
+  SymmetricTensor stress_of(int p) const {
+    SymmetricTensor value;
+    for (int k = 0; k < tensor_components<dim>; ++k)
+      value[k] = stress[static_cast<std::size_t>(k)][p];
+    return value;
+  }
 
  private:
   static Vector<dim> gather(const std::array<double*, dim>& field, int p) {
@@ -83,7 +93,10 @@ class ParticleView {
     return value;
   }
 
-  OpenColumns m_columns;
+  void point_to(StateHandle handle, std::span<double*> components);
+
+  OpenColumns m_open;
+  std::vector<void*> m_data;  ///< of every column, in the order of the table
 };
 
 /// The material points: a DMSwarm (BASIC) with one field per scalar component, kept in the order
@@ -105,7 +118,7 @@ class Particles {
   /// some. Collective.
   void sort();
 
-  ParticleView<dim> view() const { return {m_swarm, m_state_names, m_optional}; }
+  ParticleView<dim> view() const { return {m_swarm, m_fields, m_members}; }
 
   /// The particles of a material after the last sort.
   Range range_of(int material) const { return m_ranges[static_cast<std::size_t>(material)]; }
@@ -122,14 +135,13 @@ class Particles {
   int local_count() const { return m_swarm.local_count(); }
   long long global_count() const { return m_swarm.global_count(); }
   const Materials& materials() const { return m_materials; }
-  const std::vector<std::string>& state_names() const { return m_state_names; }
-  /// All fields that are written out, in order.
-  const std::vector<Field>& fields() const { return m_fields; }
+  const FieldTable<dim>& fields() const { return m_fields; }
+  /// Of a state variable of a law. Throws BadInput, which names the law and what it has.
+  StateHandle state(int material, std::string_view name) const;
   /// Memory of one particle in the swarm, bytes.
   std::size_t bytes_per_particle() const { return m_swarm.bytes_per_point(); }
 
  private:
-  std::vector<typename Swarm<dim>::Column> declare_fields();
   std::vector<std::array<int, dim>> cells() const;
   std::vector<int> sort_keys(const ParticleView<dim>& view) const;
   void fill(const Seed<dim>& seed, const ParticleView<dim>& view, int p) const;
@@ -138,18 +150,15 @@ class Particles {
 
   grid::Grid<dim>& m_grid;
   Materials m_materials;
-  OptionalColumns m_optional;
-  std::vector<std::string> m_state_names;
-  std::vector<std::vector<std::size_t>> m_state_of_material;  ///< indices into m_state_names
-  std::vector<Field> m_fields;
+  FieldTable<dim> m_fields;
+  MemberHandles<dim> m_members;
   Swarm<dim> m_swarm;
   std::vector<Range> m_ranges;
 };
 
-/// Names of the scalar columns of a field: position_x, stress_xy, mass.
-template <int dim>
-std::vector<std::string> column_names(const Field& field);
-
+extern template struct MemberHandles<1>;
+extern template struct MemberHandles<2>;
+extern template struct MemberHandles<3>;
 extern template class ParticleView<1>;
 extern template class ParticleView<2>;
 extern template class ParticleView<3>;

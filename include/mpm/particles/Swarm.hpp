@@ -14,6 +14,9 @@
 
 namespace mpm::particles {
 
+/// The 64-bit column that every swarm has besides those it is given.
+inline constexpr auto id_column = "DMSwarm_pid";
+
 /// Columns of a swarm while they are in use. The swarm cannot change its size meanwhile.
 class OpenColumns {
  public:
@@ -47,7 +50,7 @@ class Swarm {
     Type type;
   };
 
-  /// Collective. `grid` must outlive the swarm. Every point has a 64-bit DMSwarm_pid besides.
+  /// Collective. `grid` must outlive the swarm. Every point has an id_column besides.
   /// `what` is the name of a point in messages.
   Swarm(const grid::Grid<dim>& grid, std::string what, std::span<const Column> columns);
 

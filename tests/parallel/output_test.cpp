@@ -1,0 +1,193 @@
+#include <gtest/gtest.h>
+#include <hdf5.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "mpm/io/FieldOutput.hpp"
+#include "mpm/material/NeoHookean.hpp"
+#include "mpm/solver/Simulation.hpp"
+#include "support/Scenes.hpp"
+
+namespace mpm::io {
+namespace {
+
+using particles::Field;
+using particles::Role;
+
+/// A directory of all ranks that is gone afterwards.
+class SharedDirectory {
+ public:
+  SharedDirectory() {
+    std::array<char, 256> path{};
+    const auto pattern = std::filesystem::temp_directory_path() / "mpm_output_test_XXXXXX";
+    pattern.string().copy(path.data(), path.size() - 1);
+    if (test::world_rank() == 0) {
+      EXPECT_NE(mkdtemp(path.data()), nullptr);
+    }
+    MPI_Bcast(path.data(), static_cast<int>(path.size()), MPI_CHAR, 0, PETSC_COMM_WORLD);
+    m_path = path.data();
+  }
+  ~SharedDirectory() {
+    MPI_Barrier(PETSC_COMM_WORLD);
+    if (test::world_rank() == 0) std::filesystem::remove_all(m_path);
+  }
+  std::string path(const std::string& name) const { return m_path + "/" + name; }
+  const std::string& path() const { return m_path; }
+
+ private:
+  std::string m_path;
+};
+
+/// A file of this rank alone.
+class ReadFile {
+ public:
+  explicit ReadFile(const std::string& path)
+      : m_file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT)) {
+    EXPECT_GE(m_file, 0) << path;
+  }
+  ~ReadFile() { H5Fclose(m_file); }
+  ReadFile(const ReadFile&) = delete;
+  ReadFile& operator=(const ReadFile&) = delete;
+
+  std::vector<std::string> datasets() const {
+    std::vector<std::string> names;
+    const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* list) -> herr_t {
+      static_cast<std::vector<std::string>*>(list)->emplace_back(name);
+      return 0;
+    };
+    H5Literate(m_file, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names);
+    return names;
+  }
+
+  /// "" if there is none.
+  std::string text(const std::string& dataset, const std::string& name) const {
+    const hid_t id =
+        H5Aopen_by_name(m_file, dataset.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+    if (id < 0) return "";
+    const hid_t type = H5Aget_type(id);
+    std::string value(H5Tget_size(type), ' ');
+    EXPECT_GE(H5Aread(id, type, value.data()), 0) << dataset;
+    H5Tclose(type);
+    H5Aclose(id);
+    return value;
+  }
+
+  std::vector<double> numbers(const std::string& dataset) const {
+    const hid_t id = H5Dopen2(m_file, dataset.c_str(), H5P_DEFAULT);
+    const hid_t space = H5Dget_space(id);
+    std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+    EXPECT_GE(H5Dread(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
+    H5Sclose(space);
+    H5Dclose(id);
+    return values;
+  }
+
+ private:
+  hid_t m_file;
+};
+
+/// A box that moves, under stress, with two laws of which one keeps a state.
+template <int dim>
+solver::Simulation<dim> moving_box() {
+  auto setup = test::full_box<dim>(test::equal_lines<dim>(0.0, 1.2, 12), grid::Wall::free);
+  setup.materials = {test::elastic(),
+                     std::make_shared<material::NeoHookean>(material::NeoHookeanParameters{
+                         .youngs_modulus = 2e5, .poisson_ratio = 0.1, .density = 1700.0})};
+  setup.filling.material_at = [](const Vector<dim>& x) { return x[0] < 0.5 ? 0 : 1; };
+  setup.transfer = solver::Transfer::apic;
+  return solver::Simulation<dim>(setup);
+}
+
+template <int dim>
+void every_dataset_says_what_it_is_and_in_which_unit() {
+  const SharedDirectory directory;
+  const auto simulation = moving_box<dim>();
+  const auto& particles = simulation.particles();
+  FieldOutput<dim>(directory.path())
+      .write({}, particles, simulation.grid(), simulation.step().nodal_sums());
+  if (test::world_rank() != 0) return;
+  for (const char* name : {"particles_000000.h5", "grid_000000.h5"}) {
+    const ReadFile file(directory.path(name));
+    EXPECT_GT(file.datasets().size(), 3u);
+    for (const std::string& dataset : file.datasets()) {
+      EXPECT_NE(file.text(dataset, "long_name"), "") << dataset;
+      EXPECT_NE(file.text(dataset, "units"), "") << dataset;
+    }
+  }
+  const ReadFile file(directory.path("particles_000000.h5"));
+  for (const Field<dim>& field : particles.fields().all()) {
+    const bool is_there = field.role != Role::state || field.name == "position";
+    EXPECT_EQ(file.text(field.name, "long_name"), is_there ? field.long_name : "") << field.name;
+    EXPECT_EQ(file.text(field.name, "units"), is_there ? field.unit : "") << field.name;
+  }
+}
+
+TEST(FieldOutput, every_dataset_says_what_it_is_and_in_which_unit) {
+  every_dataset_says_what_it_is_and_in_which_unit<1>();
+  every_dataset_says_what_it_is_and_in_which_unit<2>();
+  every_dataset_says_what_it_is_and_in_which_unit<3>();
+}
+
+std::string text_of(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+TEST(FieldOutput, has_every_written_field_in_the_file_and_in_its_description) {
+  const SharedDirectory directory;
+  const auto simulation = moving_box<2>();
+  const auto& particles = simulation.particles();
+  FieldOutput<2>(directory.path())
+      .write({}, particles, simulation.grid(), simulation.step().nodal_sums());
+  if (test::world_rank() != 0) return;
+  const ReadFile file(directory.path("particles_000000.h5"));
+  const std::string description = text_of(directory.path("particles.xdmf"));
+  for (const Field<2>& field : particles.fields().all()) {
+    if (field.role == Role::state) continue;
+    EXPECT_EQ(std::ranges::count(file.datasets(), field.name), 1) << field.name;
+    EXPECT_NE(description.find("Attribute Name=\"" + field.name + "\""), std::string::npos)
+        << field.name;
+  }
+}
+
+TEST(FieldOutput, holds_the_values_of_the_particles) {
+  const SharedDirectory directory;
+  auto simulation = moving_box<2>();
+  const SymmetricTensor stress{{-4e3, -7e3, -5e3, 1.5e3, 0.0, 0.0}};
+  test::set_stress(simulation, stress);
+  test::set_velocity<2>(simulation, [](const Vector<2>& x) { return Vector<2>{x[1], -0.4}; });
+  FieldOutput<2>(directory.path())
+      .write({}, simulation.particles(), simulation.grid(), simulation.step().nodal_sums());
+  if (test::world_rank() != 0) return;
+  const ReadFile file(directory.path("particles_000000.h5"));
+  const auto count = static_cast<std::size_t>(simulation.particles().global_count());
+  std::map<std::string, std::vector<double>> read;
+  for (const std::string& dataset : file.datasets()) read[dataset] = file.numbers(dataset);
+  ASSERT_EQ(read["position"].size(), 3 * count);
+  ASSERT_EQ(read["stress"].size(), 6 * count);
+  for (std::size_t p = 0; p < count; ++p) {
+    const double* velocity = &read["velocity"][3 * p];
+    EXPECT_EQ(velocity[0], static_cast<float>(read["position"][3 * p + 1]));
+    EXPECT_EQ(velocity[1], -0.4F);
+    EXPECT_EQ(velocity[2], 0.0);
+    for (std::size_t k = 0; k < 6; ++k)
+      EXPECT_EQ(read["stress"][6 * p + k], stress.components[k]) << k;
+    EXPECT_NEAR(read["p"][p], 16e3 / 3.0, 1e-3);
+    EXPECT_NEAR(read["q"][p], std::sqrt(7e6 + 3 * 1.5e3 * 1.5e3), 1e-3);
+    const bool second = read["position"][3 * p] >= 0.5;
+    EXPECT_EQ(read["material"][p], second ? 1.0 : 0.0);
+    EXPECT_EQ(read["volume_ratio"][p], second ? 1.0 : 0.0);
+    EXPECT_LT(read["rank"][p], test::world_size());
+  }
+}
+
+}  // namespace
+}  // namespace mpm::io
