@@ -25,7 +25,8 @@ SandConstants stockton() {
 }
 
 /// Elasticity and critical line by Dafalias & Manzari (2004); d0, m, eps_r, Poisson's ratio and, by
-/// the mean peak angle, c by tools/calibrate from the triaxial tests of Fukushima & Tatsuoka (1984).
+/// the mean peak angle, c by tools/calibrate from the triaxial tests of Fukushima & Tatsuoka
+/// (1984).
 SandConstants toyoura() {
   SandConstants sand;
   sand.G0 = 125.0;
