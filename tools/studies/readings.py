@@ -21,7 +21,7 @@ PACKINGS = {"dense": 0.524, "medium": 0.657}
 TESTS = ("triaxial_compression", "plane_strain")
 PRESSURES = (2, 5, 10, 20, 50, 100, 200, 400, 800)  # kPa
 LOW_PRESSURES = (2, 5, 10)  # kPa, where the pipes' cohesion matters
-ANGLE_FACTOR = {"triaxial_compression": 3.0, "plane_strain": 5.0}
+ANGLE_FACTOR = {"triaxial_compression": 3.0, "triaxial_extension": 3.0, "plane_strain": 5.0}
 COMMON = {"scene": "material_point", "strain_end": 2, "increments": 2000}
 
 

@@ -12,7 +12,7 @@ import math
 
 from plotting import toyoura as picture
 
-from . import rows
+from . import readings, rows
 
 # kPa, void ratio, peak friction angle in degrees.
 TRIAXIAL = {
@@ -84,23 +84,6 @@ def stress_ratio(row):
     return max(stresses) / min(stresses)
 
 
-def bolton(summary, pressure):
-    """Peak angle by Bolton (1986), in degrees, from the relative density and p at the peak, Pa."""
-    Mc, e_max, e_min = (summary[f"option_sand_{name}"] for name in ("Mc", "e_max", "e_min"))
-    density = (e_max - summary["option_sand_void_ratio"]) / (e_max - e_min)
-    index = min(max(density * (10.0 - math.log(pressure / 1000.0)) - 1.0, 0.0), 4.0)
-    factor = 5.0 if summary["option_test"] == "plane_strain" else 3.0
-    return math.degrees(math.asin(3.0 * Mc / (6.0 + Mc))) + factor * index
-
-
-def dilatancy(history, peak):
-    """-deps_v/deps_1 around the peak."""
-    before, after = history[peak - 1], history[peak + 1]
-    volume, axial = (float(after[name]) - float(before[name])
-                     for name in ("volumetric_strain", "axial_strain"))
-    return -volume / axial
-
-
 def table_row(job, job_dir, options):
     reading, name = job.split(":")
     with open(job_dir / "history.csv", encoding="utf-8") as file:
@@ -115,8 +98,8 @@ def table_row(job, job_dir, options):
            "void_ratio": options["sand_void_ratio"],
            "measured_deg": measured.get("measured_deg"),
            "computed_deg": f"{math.degrees(math.asin((ratios[peak] - 1) / (ratios[peak] + 1))):.2f}",
-           "bolton_deg": f"{bolton(summary, float(history[peak]['p_Pa'])):.2f}",
-           "computed_dilatancy": f"{dilatancy(history, peak):.3f}",
+           "bolton_deg": f"{readings.bolton(summary, float(history[peak]['p_Pa']) / 1000)[1]:.2f}",
+           "computed_dilatancy": f"{readings.dilatancy(history[peak - 1], history[peak + 1]):.3f}",
            "measured_strain_pct": measured.get("measured_strain_pct"),
            "computed_strain_pct": f"{strains[peak]:.2f}",
            "measured_residual_share": measured.get("measured_residual_share")}
