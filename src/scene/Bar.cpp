@@ -125,17 +125,17 @@ class Bar : public Scene {
     Energies energies = meter.start();
     double error = 0.0;
     loop.run({.name = "vibration",
-              .share_done = [&] { return simulation.state().time_in_stage / end + 1e-12; },
+              .share_done = [&] { return loop.clock().time_in_stage / end + 1e-12; },
               .after_step =
                   [&] {
-                    const auto& state = simulation.state();
+                    const Clock& clock = loop.clock();
                     const Motion before = std::exchange(motion, measure(simulation));
-                    error = phase_error(before, motion, state.time - 0.5 * state.dt_old);
-                    energies = meter.after_step();
-                    if (m_run.row_is_due(state.step))
+                    error = phase_error(before, motion, clock.time - 0.5 * clock.dt);
+                    energies = meter.after_step(clock.time);
+                    if (m_run.row_is_due(clock.step))
                       history.row({energies.time, motion.velocity, error, energies.kinetic,
-                                   energies.strain, energies.total(), state.dt_old,
-                                   static_cast<double>(state.step)});
+                                   energies.strain, energies.total(), clock.dt,
+                                   static_cast<double>(clock.step)});
                   },
               .end_time = end});
     summary.set("energy_start_J", meter.start().total());

@@ -101,22 +101,21 @@ bool BiaxialRun::consolidate() {
                                .reference_force = m_options.confining_pressure * m_options.height},
                               unbalanced);
   m_summary.set("consolidation_out_of_balance", unbalanced);
-  m_summary.set("consolidation_steps", m_simulation.state().step);
+  m_summary.set("consolidation_steps", m_loop.clock().step);
   return goes_on;
 }
 
 void BiaxialRun::compress() {
-  m_simulation.start_from_rest();
-  m_simulation.state().time = 0.0;
+  m_loop.begin_anew();
   m_plate->take_impulse();
   m_loop.write_fields(output_numbers());
   m_loop.run({.name = "compression",
               .share_done = [&] { return axial_strain() / m_options.strain_end + 1e-9; },
               .before_step =
-                  [&] {
-                    const solver::RunState& state = m_simulation.state();
+                  [&](double dt) {
+                    const Clock& clock = m_loop.clock();
                     m_plate->body().velocity[1] =
-                        -m_options.ramp().at(state.time_in_stage + 0.5 * state.dt);
+                        -m_options.ramp().at(clock.time_in_stage + 0.5 * dt);
                   },
               .after_step = [&] { after_step(); },
               .status =
@@ -127,16 +126,16 @@ void BiaxialRun::compress() {
 }
 
 void BiaxialRun::after_step() {
-  const solver::RunState& state = m_simulation.state();
+  const Clock& clock = m_loop.clock();
   contact::RigidBody<2>& plate = m_plate->body();
-  plate.position[1] += plate.velocity[1] * state.dt_old;
+  plate.position[1] += plate.velocity[1] * clock.dt;
   m_contour.sample(m_simulation.particles().view(), plate, m_simulation.gravity(),
-                   state.last_momentum_dt);
-  m_contour.sample_surface(m_simulation.boundary().view(), plate, state.last_momentum_dt);
-  m_time_since_row += state.last_momentum_dt;
+                   clock.momentum_dt);
+  m_contour.sample_surface(m_simulation.boundary().view(), plate, clock.momentum_dt);
+  m_time_since_row += clock.momentum_dt;
   const bool row_due =
       m_options.run.history_every > 0
-          ? state.steps_in_stage % m_options.run.history_every == 0
+          ? clock.steps_in_stage % m_options.run.history_every == 0
           : axial_strain() >= row_spacing * (static_cast<double>(m_rows.size()) + 1);
   if (row_due) write_row();
   if (m_next_field < field_strains.size() && axial_strain() >= field_strains[m_next_field]) {
@@ -146,20 +145,19 @@ void BiaxialRun::after_step() {
 }
 
 void BiaxialRun::write_row() {
-  const solver::RunState& state = m_simulation.state();
+  const Clock& clock = m_loop.clock();
   const double impulse = petsc::sum(m_plate->take_impulse()[1]);
   const double stress = impulse / m_time_since_row / m_options.width;
   const double contour = m_contour.take_mean()[1] / m_options.width;
   m_time_since_row = 0.0;
   m_rows.push_back({axial_strain(), stress, contour});
-  std::vector<double> row{state.time_in_stage, axial_strain() * m_options.height, axial_strain(),
+  std::vector<double> row{clock.time_in_stage, axial_strain() * m_options.height, axial_strain(),
                           stress, contour};
   for (const WatchedParticle* point : {&m_outside, &m_inside}) {
     const std::vector<double> values = point->observe(m_simulation.particles());
     row.insert(row.end(), values.begin(), values.end());
   }
-  row.insert(row.end(),
-             {m_simulation.kinetic_energy(), state.dt_old, static_cast<double>(state.step)});
+  row.insert(row.end(), {m_simulation.kinetic_energy(), clock.dt, static_cast<double>(clock.step)});
   m_history.row(row);
 }
 

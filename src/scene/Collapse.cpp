@@ -161,7 +161,7 @@ void CollapseRun::stand() {
 void CollapseRun::run() {
   write_row();
   m_loop.write_fields();
-  const solver::RunState& state = m_simulation.state();
+  const Clock& clock = m_loop.clock();
   const double last = longest * m_options.time_scale();
   m_loop.run({.name = "collapse",
               .share_done =
@@ -169,7 +169,7 @@ void CollapseRun::run() {
                     const double rest = m_options.rest_tolerance * m_energy_scale;
                     const bool has_peaked = m_kinetic < 0.1 * m_largest_kinetic;
                     if (has_peaked && m_kinetic < rest) return 1.0;
-                    return state.time / last;
+                    return clock.time / last;
                   },
               .after_step = [&] { after_step(); }});
   write_row();
@@ -181,9 +181,9 @@ void CollapseRun::run() {
 void CollapseRun::after_step() {
   m_kinetic = m_simulation.kinetic_energy();
   m_largest_kinetic = std::max(m_largest_kinetic, m_kinetic);
-  const solver::RunState& state = m_simulation.state();
+  const Clock& clock = m_loop.clock();
   const long long every = m_options.run.history_every;
-  if (every > 0 ? state.step % every == 0 : state.time >= m_next_row) write_row();
+  if (every > 0 ? clock.step % every == 0 : clock.time >= m_next_row) write_row();
 }
 
 /// Of the sand as it was packed at the start, over each column of cells, m.
@@ -212,11 +212,11 @@ Outline CollapseRun::outline() const {
 }
 
 void CollapseRun::write_row() {
-  const solver::RunState& state = m_simulation.state();
+  const Clock& clock = m_loop.clock();
   const Outline now = outline();
-  m_next_row = state.time + m_options.time_scale() / rows_per_time;
-  m_history.row({state.time, now.front, now.height, now.front / m_options.width - 1.0, m_kinetic,
-                 state.dt_old, static_cast<double>(state.step)});
+  m_next_row = clock.time + m_options.time_scale() / rows_per_time;
+  m_history.row({clock.time, now.front, now.height, now.front / m_options.width - 1.0, m_kinetic,
+                 clock.dt, static_cast<double>(clock.step)});
 }
 
 void CollapseRun::conclude() {

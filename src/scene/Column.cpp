@@ -43,13 +43,14 @@ class Column : public Scene {
     io::CsvFile history(m_run.output_dir + "/history.csv",
                         {"time_s", "out_of_balance", "kinetic_energy_J", "dt_s", "step"});
     const auto row = [&](double unbalanced) {
-      const auto& state = simulation.state();
-      history.row({state.time, unbalanced, simulation.kinetic_energy(), state.dt_old,
-                   static_cast<double>(state.step)});
+      const Clock& clock = loop.clock();
+      history.row({clock.time, unbalanced, simulation.kinetic_energy(), clock.dt,
+                   static_cast<double>(clock.step)});
     };
     double unbalanced = 1.0;
     settle(simulation, loop,
            {.name = "settling",
+            .is_main = true,
             .damping = m_damping,
             .tolerance = m_tolerance,
             .longest = 10'000'000,

@@ -188,24 +188,24 @@ double CutCellRun<dim>::energy() const {
 template <int dim>
 void CutCellRun<dim>::run() {
   const auto steps = static_cast<double>(m_options.steps);
-  const solver::RunState& state = m_simulation.state();
+  const Clock& clock = m_loop.clock();
   const auto after_step = [&] {
     m_energy = energy() / m_initial_energy;
     if (std::isnan(m_energy)) m_energy = blown_up;
-    const auto window = static_cast<std::size_t>((state.step - 1) * windows / m_options.steps);
+    const auto window = static_cast<std::size_t>((clock.step - 1) * windows / m_options.steps);
     m_largest[window] = std::max(m_largest[window], m_energy);
   };
   m_loop.run(
       {.name = fmt::format("offset {:.3g}", m_offset),
        .share_done =
-           [&] { return m_energy < blown_up ? static_cast<double>(state.step) / steps : 1.0; },
+           [&] { return m_energy < blown_up ? static_cast<double>(clock.step) / steps : 1.0; },
        .after_step = after_step});
 }
 
 template <int dim>
 void CutCellRun<dim>::write_row(io::CsvFile& history) const {
   history.row({m_offset, growth(), m_energy, is_stable() ? 1.0 : 0.0,
-               static_cast<double>(m_simulation.state().step)});
+               static_cast<double>(m_loop.clock().step)});
 }
 
 /// Largest energy over that at the start.
@@ -219,7 +219,7 @@ double CutCellRun<dim>::growth() const {
 template <int dim>
 bool CutCellRun<dim>::is_stable() const {
   const double earlier = *std::max_element(m_largest.begin(), m_largest.end() - windows / 2);
-  const bool is_complete = m_simulation.state().step >= m_options.steps;
+  const bool is_complete = m_loop.clock().step >= m_options.steps;
   return is_complete && growth() < blown_up && m_largest.back() <= unsteady * earlier;
 }
 

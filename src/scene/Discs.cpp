@@ -175,20 +175,20 @@ class Discs : public Scene {
     double largest_error = 0.0, speed = 0.0;
     Energies energies = meter.start();
     loop.run({.name = "collision",
-              .share_done = [&] { return simulation.state().time_in_stage / duration() + 1e-12; },
+              .share_done = [&] { return loop.clock().time_in_stage / duration() + 1e-12; },
               .after_step =
                   [&] {
-                    const auto& state = simulation.state();
+                    const Clock& clock = loop.clock();
                     const Vector<2> now = simulation.momentum();
                     const double error =
                         std::hypot(now[0] - momentum[0], now[1] - momentum[1]) / of_one_disc;
                     largest_error = std::max(largest_error, error);
                     speed = closing_speed(measure(simulation));
-                    energies = meter.after_step();
-                    if (m_run.row_is_due(state.step))
+                    energies = meter.after_step(clock.time);
+                    if (m_run.row_is_due(clock.step))
                       history.row({energies.time, speed, error, energies.kinetic - of_the_centre,
-                                   energies.strain, energies.total() - of_the_centre, state.dt_old,
-                                   static_cast<double>(state.step)});
+                                   energies.strain, energies.total() - of_the_centre, clock.dt,
+                                   static_cast<double>(clock.step)});
                   },
               .end_time = duration()});
     const double available = meter.start().total() - of_the_centre;

@@ -142,24 +142,24 @@ class Footing : public Scene {
     loop.run({.name = "loading",
               .share_done = [&] { return -footing.level / way + 1e-9; },
               .before_step =
-                  [&] {
-                    const auto& state = simulation.state();
-                    footing.velocity = -ramp.at(state.time + 0.5 * state.dt);
+                  [&](double dt) {
+                    const Clock& clock = loop.clock();
+                    footing.velocity = -ramp.at(clock.time + 0.5 * dt);
                   },
               .after_step =
                   [&] {
-                    const auto& state = simulation.state();
-                    footing.level += footing.velocity * state.dt_old;
-                    time += state.last_momentum_dt;
+                    const Clock& clock = loop.clock();
+                    footing.level += footing.velocity * clock.dt;
+                    time += clock.momentum_dt;
                     const double settlement = -footing.level / m_width;
                     if (settlement <
                         m_settlement * static_cast<double>(curve.size() + 1) / rows_of_history)
                       return;
                     const double force = footing.take_impulse() / std::exchange(time, 0.0);
                     curve.push_back({settlement, force / half_width() / strength()});
-                    history.row({state.time, settlement, curve.back().pressure,
-                                 simulation.kinetic_energy(), state.dt_old,
-                                 static_cast<double>(state.step)});
+                    history.row({clock.time, settlement, curve.back().pressure,
+                                 simulation.kinetic_energy(), clock.dt,
+                                 static_cast<double>(clock.step)});
                   },
               .status =
                   [&] {

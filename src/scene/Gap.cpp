@@ -48,7 +48,7 @@ class Gap : public Scene {
     simulation.add_condition(contact);
     throw_down(simulation);
     RunLoop<2> loop(m_run, simulation);
-    approach(simulation, *contact, loop, summary);
+    approach(*contact, loop, summary);
     loop.write_fields();
     loop.summarise(summary);
   }
@@ -95,8 +95,7 @@ class Gap : public Scene {
     return points;
   }
 
-  void approach(solver::Simulation<2>& simulation, contact::RigidContact<2>& contact,
-                RunLoop<2>& loop, io::Summary& summary) const {
+  void approach(contact::RigidContact<2>& contact, RunLoop<2>& loop, io::Summary& summary) const {
     io::CsvFile history(m_run.output_dir + "/history.csv",
                         {"time_s", "gap_cells", "contact_force_N_per_m", "dt_s", "step"});
     double gap = cells_between - m_offset, force = 0.0;
@@ -104,16 +103,16 @@ class Gap : public Scene {
         {.name = "approach",
          .share_done =
              [&] { return force > 0.0 ? 1.0 : 1.0 - (gap + overrun) / (cells_between + overrun); },
-         .before_step = [&] { simulation.limit_next_step(resolution * cell() / m_velocity); },
          .after_step =
              [&] {
-               const auto& state = simulation.state();
-               force = -petsc::sum(contact.take_impulse()[1]) / state.last_momentum_dt;
+               const Clock& clock = loop.clock();
+               force = -petsc::sum(contact.take_impulse()[1]) / clock.momentum_dt;
                if (force != 0.0) summary.set("error_gap_cells", -gap);
-               history.row({state.time, gap, force, state.dt_old, static_cast<double>(state.step)});
+               history.row({clock.time, gap, force, clock.dt, static_cast<double>(clock.step)});
                // The contact has looked at the positions before they moved.
-               if (force == 0.0) gap -= m_velocity * state.dt_old / cell();
-             }});
+               if (force == 0.0) gap -= m_velocity * clock.dt / cell();
+             },
+         .longest_step = resolution * cell() / m_velocity});
   }
 
   solver::SimulationSetup<2> setup() const {

@@ -100,12 +100,12 @@ class Hertz : public Scene {
                          "kinetic_energy_J_per_m", "dt_s", "step"});
     std::vector<double> forces;
     const auto row = [&](double unbalanced) {
-      const auto& state = simulation.state();
+      const Clock& clock = loop.clock();
       forces = plane->take_forces();
       double sum = 0.0;
       for (double force : forces) sum += force;
-      history.row({state.time, load_at(state.time), 2.0 * sum, unbalanced,
-                   simulation.kinetic_energy(), state.dt_old, static_cast<double>(state.step)});
+      history.row({clock.time, load_at(clock.time), 2.0 * sum, unbalanced,
+                   simulation.kinetic_energy(), clock.dt, static_cast<double>(clock.step)});
     };
     if (press(simulation, loop, row)) come_to_rest(simulation, loop, row);
     loop.write_fields();
@@ -214,9 +214,9 @@ class Hertz : public Scene {
     return points;
   }
 
-  void set_load(solver::Simulation<2>& simulation) const {
+  void set_load(solver::Simulation<2>& simulation, double time) const {
     const auto view = simulation.boundary().view();
-    const double pressure = load_at(simulation.state().time);
+    const double pressure = load_at(time);
     for (int b = 0; b < view.count; ++b) view.pressure[b] = pressure;
   }
 
@@ -224,11 +224,11 @@ class Hertz : public Scene {
              const std::function<void(double)>& row) const {
     simulation.set_damping(m_damping);
     return loop.run({.name = "loading",
-                     .share_done = [&] { return simulation.state().time / m_load_time + 1e-12; },
-                     .before_step = [&] { set_load(simulation); },
+                     .share_done = [&] { return loop.clock().time / m_load_time + 1e-12; },
+                     .before_step = [&](double) { set_load(simulation, loop.clock().time); },
                      .after_step =
                          [&] {
-                           if (simulation.state().step % check_every != 0) return;
+                           if (loop.clock().step % check_every != 0) return;
                            row(simulation.unbalanced_force() / (0.5 * force()));
                          },
                      .end_time = m_load_time});
@@ -236,7 +236,7 @@ class Hertz : public Scene {
 
   void come_to_rest(solver::Simulation<2>& simulation, RunLoop<2>& loop,
                     const std::function<void(double)>& row) const {
-    set_load(simulation);
+    set_load(simulation, loop.clock().time);
     double unbalanced = 1.0;
     settle(simulation, loop,
            {.name = "settling",

@@ -133,15 +133,15 @@ class Incline : public Scene {
     const double mass = simulation.total_mass();
     double slid = 0.0, velocity = 0.0;
     loop.run({.name = "sliding",
-              .share_done = [&] { return simulation.state().time_in_stage / duration + 1e-12; },
+              .share_done = [&] { return loop.clock().time_in_stage / duration + 1e-12; },
               .after_step =
                   [&] {
-                    const auto& state = simulation.state();
+                    const Clock& clock = loop.clock();
                     velocity = simulation.momentum()[0] / mass;
-                    slid += velocity * state.dt_old;
-                    if (!m_run.row_is_due(state.step)) return;
-                    history.row({state.time_in_stage, slid, velocity, state.dt_old,
-                                 static_cast<double>(state.step)});
+                    slid += velocity * clock.dt;
+                    if (!m_run.row_is_due(clock.step)) return;
+                    history.row({clock.time_in_stage, slid, velocity, clock.dt,
+                                 static_cast<double>(clock.step)});
                   },
               .end_time = duration});
     const double exact = 0.5 * exact_acceleration() * duration * duration;

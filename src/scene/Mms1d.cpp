@@ -42,22 +42,22 @@ class Mms1d : public Scene {
     solver::Simulation<1> simulation(setup());
     deform(simulation);
     simulation.set_body_force(
-        [&](const Vector<1>& X) { return Vector<1>{body_force(X[0], simulation.state().time)}; });
+        [&](const Vector<1>& X, double t) { return Vector<1>{body_force(X[0], t)}; });
     RunLoop<1> loop(m_run, simulation);
     io::CsvFile history(m_run.output_dir + "/history.csv",
                         {"time_s", "error_displacement_rms", "kinetic_energy_J", "dt_s", "step"});
     const double period = 2.0 / c();
     double largest = 0.0;
     loop.run({.name = "vibration",
-              .share_done = [&] { return simulation.state().time_in_stage / period + 1e-12; },
+              .share_done = [&] { return loop.clock().time_in_stage / period + 1e-12; },
               .after_step =
                   [&] {
-                    const double error = displacement_error(simulation);
+                    const double error = displacement_error(simulation, loop.clock().time);
                     largest = std::max(largest, error);
-                    const auto& state = simulation.state();
-                    if (m_run.row_is_due(state.step))
-                      history.row({state.time, error, simulation.kinetic_energy(), state.dt_old,
-                                   static_cast<double>(state.step)});
+                    const Clock& clock = loop.clock();
+                    if (m_run.row_is_due(clock.step))
+                      history.row({clock.time, error, simulation.kinetic_energy(), clock.dt,
+                                   static_cast<double>(clock.step)});
                   },
               .end_time = period});
     loop.write_fields();
@@ -116,8 +116,7 @@ class Mms1d : public Scene {
   }
 
   /// Share of the amplitude.
-  double displacement_error(const solver::Simulation<1>& simulation) const {
-    const double time = simulation.state().time;
+  double displacement_error(const solver::Simulation<1>& simulation, double time) const {
     return rms_displacement_error<1>(
                simulation,
                [&](const Vector<1>& X) { return Vector<1>{displacement(X[0], time)}; }) /

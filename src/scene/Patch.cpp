@@ -42,9 +42,9 @@ class Patch : public Scene {
     solver::Simulation<2> simulation(setup());
     stress_particles(simulation);
     RunLoop<2> loop(m_run, simulation);
-    simulation.limit_next_step(1e-12);
-    loop.run(
-        {.name = "patch", .share_done = [&] { return simulation.state().step >= 1 ? 1.0 : 0.0; }});
+    loop.run({.name = "patch",
+              .share_done = [&] { return loop.clock().step >= 1 ? 1.0 : 0.0; },
+              .longest_step = 1e-12});
     loop.write_fields();
     loop.summarise(summary);
     summary.set("residual_max", largest_residual(simulation));

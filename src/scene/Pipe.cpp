@@ -101,7 +101,7 @@ std::shared_ptr<contact::RigidContact<2>> PipeRun::make_contact() {
 /// The soil comes to rest around the pipe, which holds still. False if the run ends before.
 bool PipeRun::rest() {
   const auto measure_reaction = [this](double) {
-    const double seconds = m_simulation.state().dt_old * check_every;
+    const double seconds = m_loop.clock().dt * check_every;
     m_reaction_at_rest = whole(petsc::sum(m_contact->take_impulse()[1])) / seconds;
   };
   double unbalanced = 1.0;
@@ -113,7 +113,7 @@ bool PipeRun::rest() {
                                .after_check = measure_reaction},
                               unbalanced);
   m_summary.set("geostatic_out_of_balance", unbalanced);
-  m_summary.set("geostatic_steps", m_simulation.state().step);
+  m_summary.set("geostatic_steps", m_loop.clock().step);
   if (goes_on) check_rest();
   return goes_on;
 }
@@ -142,14 +142,14 @@ void PipeRun::check_rest() {
 }
 
 void PipeRun::after_push() {
-  const solver::RunState& state = m_simulation.state();
+  const Clock& clock = m_loop.clock();
   contact::RigidBody<2>& pipe = m_contact->body();
-  pipe.position[1] += pipe.velocity[1] * state.dt_old;
+  pipe.position[1] += pipe.velocity[1] * clock.dt;
   m_contour.sample(m_simulation.particles().view(), pipe, m_simulation.gravity(),
-                   state.last_momentum_dt);
-  m_time_since_row += state.last_momentum_dt;
+                   clock.momentum_dt);
+  m_time_since_row += clock.momentum_dt;
   const bool row_due = m_options.run.history_every > 0
-                           ? state.steps_in_stage % m_options.run.history_every == 0
+                           ? clock.steps_in_stage % m_options.run.history_every == 0
                            : u_over_D() >= m_next_row;
   if (row_due) write_row();
   if (u_over_D() >= m_next_field) {
@@ -159,16 +159,16 @@ void PipeRun::after_push() {
 }
 
 void PipeRun::write_row() {
-  const solver::RunState& state = m_simulation.state();
+  const Clock& clock = m_loop.clock();
   const double reaction = whole(petsc::sum(m_contact->take_impulse()[1])) / m_time_since_row;
   const double contour = whole(m_contour.take_mean()[1]);
   m_time_since_row = 0.0;
   m_next_row = row_spacing * (std::floor(u_over_D() / row_spacing + 1e-6) + 1.0);
   const double N_d = reaction / m_options.reference_force();
   m_rows.push_back({u_over_D(), N_d, contour / m_options.reference_force()});
-  m_history.row({state.time_in_stage, displacement(), u_over_D(), reaction, N_d, contour,
-                 kinetic_energy(), m_simulation.out_of_balance(), state.dt_old,
-                 static_cast<double>(state.step), particles_at_limits()});
+  m_history.row({clock.time_in_stage, displacement(), u_over_D(), reaction, N_d, contour,
+                 kinetic_energy(), m_simulation.out_of_balance(), clock.dt,
+                 static_cast<double>(clock.step), particles_at_limits()});
 }
 
 /// Particles of all ranks at the sand law's pressure floor or cap of the state parameter.
@@ -191,17 +191,16 @@ std::vector<std::pair<std::string, double>> PipeRun::output_numbers() const {
 }
 
 void PipeRun::push() {
-  m_simulation.start_from_rest();
+  m_loop.begin_anew();
   m_contact->take_impulse();
-  m_simulation.state().time = 0.0;
   m_loop.write_fields(output_numbers());
   const Ramp ramp{m_options.velocity, m_options.ramp_distance * m_options.diameter};
   m_loop.run({.name = "loading",
               .share_done = [&] { return u_over_D() / m_options.end_displacement + 1e-9; },
               .before_step =
-                  [&] {
-                    const solver::RunState& state = m_simulation.state();
-                    m_contact->body().velocity[1] = -ramp.at(state.time_in_stage + 0.5 * state.dt);
+                  [&](double dt) {
+                    const Clock& clock = m_loop.clock();
+                    m_contact->body().velocity[1] = -ramp.at(clock.time_in_stage + 0.5 * dt);
                   },
               .after_step = [&] { after_push(); },
               .status =

@@ -253,9 +253,9 @@ bool ReversalRun::cycle() {
 /// A leg of so much strain and so much rotation about z, at the strain rate of the run.
 bool ReversalRun::move(const std::string& name, const SymmetricTensor& strain, double rotation) {
   const double duration = norm(strain) / m_options.strain_rate;
-  const solver::RunState& state = m_simulation.state();
+  const Clock& clock = m_loop.clock();
   return follow({.name = name,
-                 .share_done = [&] { return state.time_in_stage / duration + 1e-12; },
+                 .share_done = [&] { return clock.time_in_stage / duration + 1e-12; },
                  .end_time = duration},
                 {(1.0 / duration) * strain, rotation / duration});
 }
@@ -263,10 +263,10 @@ bool ReversalRun::move(const std::string& name, const SymmetricTensor& strain, d
 /// A leg of the strain rate of the run up to a state.
 bool ReversalRun::move_until(const std::string& name, const SymmetricTensor& direction,
                              const std::function<bool()>& is_over) {
-  const solver::RunState& state = m_simulation.state();
+  const Clock& clock = m_loop.clock();
   const auto share = [&, name] {
-    if (state.steps_in_stage > 0 && is_over()) return 1.0;
-    if (state.time_in_stage * m_options.strain_rate > longest_leg)
+    if (clock.steps_in_stage > 0 && is_over()) return 1.0;
+    if (clock.time_in_stage * m_options.strain_rate > longest_leg)
       throw NumericalFailure(
           fmt::format("{}: a strain of {} does not bring the sand there", name, longest_leg));
     return 0.0;
@@ -278,9 +278,9 @@ bool ReversalRun::move_until(const std::string& name, const SymmetricTensor& dir
 /// USF strains one step late: what is left over comes here.
 bool ReversalRun::rest() {
   constexpr double steps = 2.0;
-  const solver::RunState& state = m_simulation.state();
+  const Clock& clock = m_loop.clock();
   return follow({.name = "rest",
-                 .share_done = [&] { return static_cast<double>(state.steps_in_stage) / steps; }},
+                 .share_done = [&] { return static_cast<double>(clock.steps_in_stage) / steps; }},
                 {});
 }
 
@@ -291,8 +291,8 @@ bool ReversalRun::follow(Stage stage, const MotionRate& rate) {
 }
 
 void ReversalRun::after_step() {
-  const solver::RunState& state = m_simulation.state();
-  m_strain = state.dt_old * m_motion->next.D;
+  const Clock& clock = m_loop.clock();
+  m_strain = clock.dt * m_motion->next.D;
   if (m_options.run.scheme == solver::Scheme::usf) std::swap(m_strain, m_strain_to_come);
   std::unordered_map<std::int64_t, Before> now;
   {
@@ -306,7 +306,7 @@ void ReversalRun::after_step() {
   }
   m_before = std::move(now);
   const long long every = m_options.run.history_every;
-  if (state.step % (every > 0 ? every : default_rows) == 0) write_row();
+  if (clock.step % (every > 0 ? every : default_rows) == 0) write_row();
 }
 
 ReversalRun::Before ReversalRun::state_of(const particles::ParticleView<3>& view, int p) const {
@@ -382,9 +382,9 @@ double ReversalRun::mean_gap() const {
 
 void ReversalRun::write_row() {
   const Mean now = mean();
-  const solver::RunState& state = m_simulation.state();
-  m_history.row({state.time, now.p, now.q, now.shear_stress, now.void_ratio, now.eps_q, now.gap,
-                 state.dt_old, static_cast<double>(state.step), static_cast<double>(state.stage)});
+  const Clock& clock = m_loop.clock();
+  m_history.row({clock.time, now.p, now.q, now.shear_stress, now.void_ratio, now.eps_q, now.gap,
+                 clock.dt, static_cast<double>(clock.step), static_cast<double>(clock.stage)});
 }
 
 void ReversalRun::conclude() {

@@ -125,8 +125,8 @@ class Rotation : public Scene {
     }
     const auto steps = static_cast<double>(m_steps);
     loop.run({.name = "turn",
-              .share_done = [&] { return static_cast<double>(simulation.state().step) / steps; },
-              .before_step = [&] { simulation.limit_next_step(duration() / steps); }});
+              .share_done = [&] { return static_cast<double>(loop.clock().step) / steps; },
+              .longest_step = duration() / steps});
   }
 
   /// How the disc turns as a whole.
@@ -183,21 +183,21 @@ class Rotation : public Scene {
     Energies energies = meter.start();
     double strain_rate = 0.0, angle = 0.0, angle_error = 0.0, moment_ratio = 1.0;
     loop.run({.name = "spin",
-              .share_done = [&] { return simulation.state().time_in_stage / duration() + 1e-12; },
+              .share_done = [&] { return loop.clock().time_in_stage / duration() + 1e-12; },
               .after_step =
                   [&] {
-                    const auto& state = simulation.state();
+                    const Clock& clock = loop.clock();
                     if (strain_rate == 0.0)
-                      strain_rate = largest_strain(simulation, law) / state.dt_old;
+                      strain_rate = largest_strain(simulation, law) / clock.dt;
                     const Spin before = std::exchange(now, measure(simulation));
                     angle += std::remainder(now.angle - before.angle, 2 * std::numbers::pi);
-                    angle_error = angle - omega * state.time;
+                    angle_error = angle - omega * clock.time;
                     moment_ratio = now.angular_momentum / start.angular_momentum;
-                    energies = meter.after_step();
-                    if (m_run.row_is_due(state.step))
+                    energies = meter.after_step(clock.time);
+                    if (m_run.row_is_due(clock.step))
                       history.row({energies.time, angle_error, moment_ratio, energies.kinetic,
-                                   energies.strain, energies.total(), state.dt_old,
-                                   static_cast<double>(state.step)});
+                                   energies.strain, energies.total(), clock.dt,
+                                   static_cast<double>(clock.step)});
                   },
               .end_time = duration()});
     summary.set("error_angle_rad", angle_error);

@@ -33,28 +33,30 @@ RunLoop<dim>::RunLoop(const RunOptions& options, solver::Simulation<dim>& simula
 
 template <int dim>
 bool RunLoop<dim>::is_over() const {
-  const solver::RunState& state = m_simulation.state();
-  const bool late = m_options.end_time && state.time >= *m_options.end_time * (1.0 - 1e-14);
-  return late || (m_options.max_steps > 0 && state.step >= m_options.max_steps);
+  if (!m_clock.is_counting) return false;
+  const bool late =
+      m_options.end_time && m_clock.counted_time >= *m_options.end_time * (1.0 - 1e-14);
+  return late || (m_options.max_steps > 0 && m_clock.counted_steps >= m_options.max_steps);
 }
 
-/// Cuts the next step so that it meets the ends and output times exactly.
+/// So long that the step meets the ends and output times exactly.
 template <int dim>
-void RunLoop<dim>::limit_step(const Stage& stage) {
-  const solver::RunState& state = m_simulation.state();
+double RunLoop<dim>::longest_step(const Stage& stage) const {
   double limit = std::numeric_limits<double>::max();
-  if (stage.end_time > 0.0) limit = std::min(limit, stage.end_time - state.time_in_stage);
-  if (m_options.end_time) limit = std::min(limit, *m_options.end_time - state.time);
-  if (!m_times_left.empty()) limit = std::min(limit, m_times_left.front() - state.time);
-  if (limit > 0.0) m_simulation.limit_next_step(limit);
+  if (stage.end_time > 0.0) limit = std::min(limit, stage.end_time - m_clock.time_in_stage);
+  if (m_clock.is_counting && m_options.end_time)
+    limit = std::min(limit, *m_options.end_time - m_clock.counted_time);
+  if (m_clock.is_counting && !m_times_left.empty())
+    limit = std::min(limit, m_times_left.front() - m_clock.counted_time);
+  return std::min(stage.longest_step, limit > 0.0 ? limit : stage.longest_step);
 }
 
 template <int dim>
 void RunLoop<dim>::write_due_fields() {
-  const solver::RunState& state = m_simulation.state();
-  bool due =
-      m_options.particle_output_every > 0 && state.step % m_options.particle_output_every == 0;
-  while (!m_times_left.empty() && state.time >= m_times_left.front() * (1.0 - 1e-14)) {
+  if (!m_clock.is_counting) return;
+  bool due = m_options.particle_output_every > 0 &&
+             m_clock.counted_steps % m_options.particle_output_every == 0;
+  while (!m_times_left.empty() && m_clock.counted_time >= m_times_left.front() * (1.0 - 1e-14)) {
     m_times_left.erase(m_times_left.begin());
     due = true;
   }
@@ -65,38 +67,37 @@ void RunLoop<dim>::write_due_fields() {
 
 template <int dim>
 bool RunLoop<dim>::run(const Stage& stage) {
-  solver::RunState& state = m_simulation.state();
-  state.steps_in_stage = 0;
-  state.time_in_stage = 0.0;
+  m_clock.begin_stage(m_options.counted_stage.empty() ? stage.is_main
+                                                      : stage.name == m_options.counted_stage);
   const petsc::Stage logged(stage.name);
-  m_progress.begin(stage.name, state.step);
+  m_progress.begin(stage.name, m_clock.step);
   double share = stage.share_done();
   while (share < 1.0 && !is_over()) {
-    if (stage.before_step) stage.before_step();
-    limit_step(stage);
     const double begin = MPI_Wtime();
-    m_simulation.advance();
+    const double dt = m_simulation.plan(longest_step(stage));
+    if (stage.before_step) stage.before_step(dt);
+    m_clock.advance(m_simulation.advance(m_clock.time, dt));
     m_seconds_in_steps += MPI_Wtime() - begin;
     if (stage.after_step) stage.after_step();
     write_due_fields();
     share = stage.share_done();
-    m_progress.update(share, state.step, stage.status ? stage.status() : "");
+    m_progress.update(share, m_clock.step, stage.status ? stage.status() : "");
   }
-  m_progress.end(state.step);
-  ++state.stage;
+  m_progress.end(m_clock.step);
+  ++m_clock.stage;
   return !is_over();
 }
 
 template <int dim>
 void RunLoop<dim>::write_fields(std::vector<std::pair<std::string, double>> numbers) {
-  const solver::RunState& state = m_simulation.state();
-  m_output.write({state.time, state.step, std::move(numbers)}, m_simulation.particles(),
+  if (m_last_written == m_clock.step) return;
+  m_last_written = m_clock.step;
+  m_output.write({m_clock.time, m_clock.step, std::move(numbers)}, m_simulation.particles(),
                  m_simulation.grid(), m_simulation.step().nodal_sums());
 }
 
 template <int dim>
 void RunLoop<dim>::summarise(io::Summary& summary) const {
-  const solver::RunState& state = m_simulation.state();
   const auto particles = static_cast<double>(m_simulation.particles().global_count());
   const double seconds = petsc::maximum(m_seconds_in_steps);
   summary.set("ranks", petsc::world_size());
@@ -107,11 +108,11 @@ void RunLoop<dim>::summarise(io::Summary& summary) const {
   summary.set("particles_lost", 0);  // a lost particle stops the run
   summary.set("load_max_over_mean", m_simulation.imbalance());
   summary.set("rebalancings", m_simulation.rebalancings());
-  summary.set("steps", state.step);
-  summary.set("simulated_time_s", state.time);
+  summary.set("steps", m_clock.step);
+  summary.set("simulated_time_s", m_clock.time);
   summary.set("step_loop_s", seconds);
   summary.set("particle_updates_per_s",
-              seconds > 0.0 ? particles * static_cast<double>(state.step) / seconds : 0.0);
+              seconds > 0.0 ? particles * static_cast<double>(m_clock.step) / seconds : 0.0);
   summary.set("bytes_per_particle", m_simulation.particles().bytes_per_particle());
   summary.set("peak_memory_bytes", petsc::sum(peak_memory_bytes()));
   summary.set("mass_kg", m_simulation.total_mass());

@@ -115,10 +115,15 @@ void RunOptions::declare_outputs(options::OptionSet& options) {
       "history_every", history_every, {0, 1'000'000'000},
       {"steps", "steps between rows of history.csv; 0 leaves it to the scene", "chosen"});
   options.optional_real("end_time", end_time, options::positive(), "the scene's own end",
-                        {"s", "the run ends here at the latest", "chosen"});
+                        {"s", "the run ends here at the latest, on the clock of the main stage", "chosen"});
   options.integer(
       "max_steps", max_steps, {0, 1'000'000'000'000},
       {"steps", "the run ends after so many steps at the latest; 0 is no limit", "chosen"});
+  options.text("counted_stage", counted_stage,
+               {"",
+                "stage from whose beginning on -end_time, -max_steps, -particle_output_times and "
+                "the *_every count; empty is the scene's main one, not the settling before it",
+                "chosen"});
   options.choice(
       "progress", progress,
       {{"auto", ProgressDisplay::automatic},

@@ -23,7 +23,7 @@ bool settle(solver::Simulation<dim>& simulation, RunLoop<dim>& loop, const Settl
             double& unbalanced) {
   unbalanced = 1.0;
   const auto check = [&] {
-    const long long steps = simulation.state().steps_in_stage;
+    const long long steps = loop.clock().steps_in_stage;
     if (steps % settling.check_every != 0) return;
     unbalanced = std::min(1.0, share_of_forces(simulation, settling.reference_force));
     if (settling.after_check) settling.after_check(unbalanced);
@@ -38,7 +38,8 @@ bool settle(solver::Simulation<dim>& simulation, RunLoop<dim>& loop, const Settl
       loop.run({.name = settling.name,
                 .share_done = [&] { return std::log(unbalanced) / std::log(settling.tolerance); },
                 .after_step = check,
-                .status = [&] { return fmt::format("out of balance {:.2e}", unbalanced); }});
+                .status = [&] { return fmt::format("out of balance {:.2e}", unbalanced); },
+                .is_main = settling.is_main});
   simulation.set_damping(0.0);
   return goes_on;
 }

@@ -54,6 +54,7 @@ class Traction : public Scene {
     double unbalanced = 1.0;
     settle(simulation, loop,
            {.name = "pulling",
+            .is_main = true,
             .damping = m_damping,
             .tolerance = m_tolerance,
             .reference_force = std::abs(m_traction),

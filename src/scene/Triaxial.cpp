@@ -201,9 +201,9 @@ void TriaxialRun::run() {
   m_loop.run({.name = "compression",
               .share_done = [&] { return strain() / m_options.strain_end + 1e-9; },
               .before_step =
-                  [&] {
-                    const auto& state = m_simulation.state();
-                    m_platen->velocity = m_options.ramp().at(state.time_in_stage + 0.5 * state.dt);
+                  [&](double dt) {
+                    const Clock& clock = m_loop.clock();
+                    m_platen->velocity = m_options.ramp().at(clock.time_in_stage + 0.5 * dt);
                   },
               .after_step = [&] { after_step(); },
               .status = [&] { return fmt::format("q {:.1f} kPa", m_rows.back().q / 1e3); }});
@@ -215,9 +215,9 @@ void TriaxialRun::run() {
 }
 
 void TriaxialRun::after_step() {
-  const auto& state = m_simulation.state();
-  m_platen->height -= m_platen->velocity * state.dt_old;
-  m_time_since_row += state.last_momentum_dt;
+  const Clock& clock = m_loop.clock();
+  m_platen->height -= m_platen->velocity * clock.dt;
+  m_time_since_row += clock.momentum_dt;
   if (strain() >= row_spacing * static_cast<double>(m_rows.size())) write_row();
 }
 
@@ -231,7 +231,7 @@ double TriaxialRun::axial_stress_since_row(const CubeState& cube) {
 
 void TriaxialRun::write_row() {
   const CubeState cube = observe_cube();
-  const auto& state = m_simulation.state();
+  const Clock& clock = m_loop.clock();
   const double axial_stress = axial_stress_since_row(cube);
   const double volumetric = -std::log(cube.volume / m_initial_volume);
   const double before = m_rows.empty() ? 0.0 : m_rows.back().strain;
@@ -242,7 +242,7 @@ void TriaxialRun::write_row() {
     m_largest_kinetic_share = std::max(m_largest_kinetic_share, kinetic / m_work);
   m_rows.push_back({strain(), cube.q, volumetric});
   m_history.row({strain(), cube.q, cube.p, volumetric, cube.void_ratio, axial_stress, cube.spread,
-                 kinetic, state.dt_old, static_cast<double>(state.step)});
+                 kinetic, clock.dt, static_cast<double>(clock.step)});
 }
 
 /// The same test at a single point without grid, interpolated to the strains of the rows.

@@ -43,7 +43,7 @@ class Vortex : public Scene {
     solver::Simulation<2> simulation(setup());
     start_moving(simulation);
     simulation.set_body_force(
-        [&](const Vector<2>& X) { return motion().body_force(X, simulation.state().time); });
+        [&](const Vector<2>& X, double t) { return motion().body_force(X, t); });
     RunLoop<2> loop(m_run, simulation);
     try {
       turn(simulation, loop);
@@ -108,22 +108,21 @@ class Vortex : public Scene {
         {"time_s", "error_displacement_rms", "kinetic_energy_J_per_m", "dt_s", "step"});
     const double end = m_run.end_time.value_or(half_period);
     loop.run({.name = "vortex",
-              .share_done = [&] { return simulation.state().time_in_stage / end + 1e-12; },
+              .share_done = [&] { return loop.clock().time_in_stage / end + 1e-12; },
               .after_step =
                   [&] {
-                    const auto& state = simulation.state();
-                    const double error = displacement_error(simulation);
-                    judge(error, state.time);
-                    if (m_run.row_is_due(state.step))
-                      history.row({state.time, error, simulation.kinetic_energy(), state.dt_old,
-                                   static_cast<double>(state.step)});
+                    const Clock& clock = loop.clock();
+                    const double error = displacement_error(simulation, clock.time);
+                    judge(error, clock.time);
+                    if (m_run.row_is_due(clock.step))
+                      history.row({clock.time, error, simulation.kinetic_energy(), clock.dt,
+                                   static_cast<double>(clock.step)});
                   },
               .end_time = end});
   }
 
   /// Share of the amplitude.
-  double displacement_error(const solver::Simulation<2>& simulation) const {
-    const double time = simulation.state().time;
+  double displacement_error(const solver::Simulation<2>& simulation, double time) const {
     return rms_displacement_error<2>(
                simulation, [&](const Vector<2>& X) { return motion().displacement(X, time); }) /
            amplitude_in_metres();

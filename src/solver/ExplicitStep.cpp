@@ -86,10 +86,10 @@ void ExplicitStep<dim, Basis>::deposit(const View& particles, const StepOptions<
 }
 
 template <int dim, class Basis>
-void ExplicitStep<dim, Basis>::update_velocities(const View& particles, const RunState& state,
+void ExplicitStep<dim, Basis>::update_velocities(const View& particles, const StepTimes& times,
                                                  const StepOptions<dim>& options) {
   const petsc::Phase phase("mpm: update velocities");
-  const double dt = state.momentum_dt();
+  const double dt = times.momentum_dt();
   const transfer::VelocityAcceleration<dim> rates(m_rates);
   transfer::update_velocities<dim, Basis>(particles, stencil(), dt, options.flip_share(dt), rates);
   if (options.transfer == Transfer::apic)
@@ -98,10 +98,10 @@ void ExplicitStep<dim, Basis>::update_velocities(const View& particles, const Ru
 
 template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::update_velocities_and_remap(const View& particles,
-                                                           const RunState& state,
+                                                           const StepTimes& times,
                                                            const StepOptions<dim>& options) {
   const petsc::Phase phase("mpm: update velocities");
-  const double dt = state.momentum_dt();
+  const double dt = times.momentum_dt();
   const transfer::VelocityAcceleration<dim> rates(m_rates);
   m_remapped.set_active_to_zero();
   transfer::update_velocities_and_deposit_momentum<dim, Basis>(
@@ -219,10 +219,10 @@ void ExplicitStep<dim, Basis>::average_volume_change(const View& particles) {
 
 /// p_I += f_I dt (Eq. 6) with walls, rigid bodies and damping; then v_I = p_I/m_I, a_I = f_I/m_I.
 template <int dim, class Basis>
-void ExplicitStep<dim, Basis>::update_momentum(const RunState& state, double damping) {
+void ExplicitStep<dim, Basis>::update_momentum(const StepTimes& times, double damping) {
   const petsc::Phase phase("mpm: update momentum");
   const transfer::MassMomentumForce<dim> sums(m_sums);
-  const double dt = state.momentum_dt();
+  const double dt = times.momentum_dt();
   m_parts.walls.fold(m_parts.grid, m_sums);
   invert_mass();
   m_parts.grid.for_each_active_run([&](int I, int count) {

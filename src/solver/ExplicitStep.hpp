@@ -26,12 +26,12 @@ class ExplicitStep : public Step<dim> {
   void deposit(const View& particles, const StepOptions<dim>& options);
   /// Nodal momentum, velocity and acceleration after forces, walls and conditions (Eq. 6).
   /// Collective.
-  void update_momentum(const RunState& state, double damping);
+  void update_momentum(const StepTimes& times, double damping);
   /// Particle velocities (Eq. 7). Local.
-  void update_velocities(const View& particles, const RunState& state,
+  void update_velocities(const View& particles, const StepTimes& times,
                          const StepOptions<dim>& options);
   /// Particle velocities, and nodal velocities mapped anew from them (Eqs. 7, 9). Collective.
-  void update_velocities_and_remap(const View& particles, const RunState& state,
+  void update_velocities_and_remap(const View& particles, const StepTimes& times,
                                    const StepOptions<dim>& options);
   /// Velocities for strains from the momenta just deposited, before any force. Collective.
   void take_deposited_velocities();

@@ -68,9 +68,8 @@ DenseMatrix one_step_matrix(Simulation<dim>& simulation, const StateScales& scal
       state.set_to_zero();
       state.set_to_one(j);
     }
-    simulation.state().dt_old = dt;
-    simulation.limit_next_step(dt);
-    simulation.advance();
+    simulation.assume_last_step(dt);
+    simulation.advance(0.0, simulation.plan(dt));
     StateVector<dim>(simulation, scales).copy_to(T.column(j));
   }
   StateVector<dim>(simulation, scales).set_to_zero();

@@ -9,12 +9,12 @@ template <int dim, class Basis>
 class MuslStep : public ExplicitStep<dim, Basis> {
   using ExplicitStep<dim, Basis>::ExplicitStep;
 
-  StepReport advance(const RunState& state, const StepOptions<dim>& options) override {
+  StepReport advance(const StepTimes& times, const StepOptions<dim>& options) override {
     const auto particles = this->particles();
     this->deposit(particles, options);                             // (1)-(5)
-    this->update_momentum(state, options.damping);                 // (6)
-    this->update_velocities_and_remap(particles, state, options);  // (7), (9)
-    return this->strain_and_move(particles, {.strain = state.dt, .move = state.dt},
+    this->update_momentum(times, options.damping);                 // (6)
+    this->update_velocities_and_remap(particles, times, options);  // (7), (9)
+    return this->strain_and_move(particles, {.strain = times.dt, .move = times.dt},
                                  this->remapped_velocity(), options);  // (8)
   }
 };
@@ -24,12 +24,12 @@ template <int dim, class Basis>
 class UslStep : public ExplicitStep<dim, Basis> {
   using ExplicitStep<dim, Basis>::ExplicitStep;
 
-  StepReport advance(const RunState& state, const StepOptions<dim>& options) override {
+  StepReport advance(const StepTimes& times, const StepOptions<dim>& options) override {
     const auto particles = this->particles();
     this->deposit(particles, options);                   // (1)-(5)
-    this->update_momentum(state, options.damping);       // (6)
-    this->update_velocities(particles, state, options);  // (7)
-    return this->strain_and_move(particles, {.strain = state.dt, .move = state.dt},
+    this->update_momentum(times, options.damping);       // (6)
+    this->update_velocities(particles, times, options);  // (7)
+    return this->strain_and_move(particles, {.strain = times.dt, .move = times.dt},
                                  this->updated_velocity(), options);  // (8)
   }
 };
@@ -39,16 +39,16 @@ template <int dim, class Basis>
 class UsfStep : public ExplicitStep<dim, Basis> {
   using ExplicitStep<dim, Basis>::ExplicitStep;
 
-  StepReport advance(const RunState& state, const StepOptions<dim>& options) override {
+  StepReport advance(const StepTimes& times, const StepOptions<dim>& options) override {
     const auto particles = this->particles();
     this->deposit(particles, options);  // (1), (2)
     this->take_deposited_velocities();
     const StepReport strained = this->strain_and_move(
-        particles, {.strain = state.dt_old, .move = 0.0}, this->remapped_velocity(), options);
+        particles, {.strain = times.dt_old, .move = 0.0}, this->remapped_velocity(), options);
     this->deposit(particles, options);                   // (1)-(5)
-    this->update_momentum(state, options.damping);       // (6)
-    this->update_velocities(particles, state, options);  // (7)
-    StepReport moved = this->strain_and_move(particles, {.strain = 0.0, .move = state.dt},
+    this->update_momentum(times, options.damping);       // (6)
+    this->update_velocities(particles, times, options);  // (7)
+    StepReport moved = this->strain_and_move(particles, {.strain = 0.0, .move = times.dt},
                                              this->updated_velocity(), options);  // (8)
     if (strained.broken_particle >= 0) moved.broken_particle = strained.broken_particle;
     return moved;

@@ -17,7 +17,6 @@ namespace {
 constexpr int steps_between_renewals = 10;  // of dt
 constexpr int steps_between_sorts = 500;    // particles lose their order slowly
 constexpr double largest_growth_of_dt = 1.05;
-constexpr double no_limit = std::numeric_limits<double>::max();
 
 template <int dim>
 basis::BasisOptions basis_options(const SimulationSetup<dim>& setup) {
@@ -73,8 +72,7 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
           particles::OptionalColumns{.velocity_gradient = setup.transfer == Transfer::apic})),
       m_boundary(std::make_unique<particles::BoundaryParticles<dim>>(*m_grid)),
       m_step(make_step(setup)),
-      m_courant(setup.courant),
-      m_dt_limit(no_limit) {
+      m_courant(setup.courant) {
   m_options.body_force.uniform = setup.gravity;
   m_options.transfer = setup.transfer;
   m_options.flip_time = setup.flip_time;
@@ -128,7 +126,7 @@ void Simulation<dim>::start_from_rest() {
         for (double* component : row) component[p] = 0.0;
     view.deviatoric_strain[p] = 0.0;
   }
-  m_state.dt_old = 0.0;
+  m_dt_old = 0.0;
 }
 
 template <int dim>
@@ -136,12 +134,12 @@ void Simulation<dim>::renew_time_step() {
   const petsc::Phase phase("mpm: time step");
   const double transit = petsc::minimum(m_step->smallest_transit_time());
   const double stable = m_courant * transit;
-  const double previous = m_state.dt;
-  m_state.dt = previous > 0.0 ? std::min(stable, largest_growth_of_dt * previous) : stable;
-  m_state.steps_since_renewal = 0;
-  if (!std::isfinite(m_state.dt) || m_state.dt < 1e-300)
+  const double previous = m_stable_dt;
+  m_stable_dt = previous > 0.0 ? std::min(stable, largest_growth_of_dt * previous) : stable;
+  m_steps_since_renewal = 0;
+  if (!std::isfinite(m_stable_dt) || m_stable_dt < 1e-300)
     throw NumericalFailure(
-        fmt::format("the time step collapsed to {} s at step {}", m_state.dt, m_state.step));
+        fmt::format("the time step collapsed to {} s at step {}", m_stable_dt, m_steps));
 }
 
 /// Before a step, when what the last one left on the nodes has been read.
@@ -164,28 +162,29 @@ template <int dim>
 void Simulation<dim>::migrate() {
   m_particles->migrate();
   if (!m_boundary->is_empty()) m_boundary->migrate();
-  m_state.steps_since_sort = 0;
+  m_steps_since_sort = 0;
 }
 
 template <int dim>
-void Simulation<dim>::advance() {
-  if (m_balance.is_due(m_state.step)) rebalance();
-  if (m_state.dt == 0.0 || m_state.steps_since_renewal >= steps_between_renewals) renew_time_step();
-  const double unlimited = m_state.dt;
-  m_state.dt = std::min(m_state.dt, m_dt_limit);
-  m_dt_limit = no_limit;
+double Simulation<dim>::plan(double limit) {
+  if (m_balance.is_due(m_steps)) rebalance();
+  if (m_stable_dt == 0.0 || m_steps_since_renewal >= steps_between_renewals) renew_time_step();
+  return std::min(m_stable_dt, limit);
+}
 
+template <int dim>
+StepTimes Simulation<dim>::advance(double time, double dt) {
+  const StepTimes times{.time = time, .dt = dt, .dt_old = m_dt_old};
+  if (m_body_force)
+    m_options.body_force.at_reference_position = [this, time](const Vector<dim>& X) {
+      return m_body_force(X, time);
+    };
   for (auto* condition : m_conditions) condition->prepare_step();
-  agree(m_step->advance(m_state, m_options));
-
-  m_state.last_momentum_dt = m_state.momentum_dt();
-  m_state.time += m_state.dt;
-  m_state.time_in_stage += m_state.dt;
-  m_state.dt_old = m_state.dt;
-  m_state.dt = unlimited;
-  ++m_state.step;
-  ++m_state.steps_in_stage;
-  ++m_state.steps_since_renewal;
+  agree(m_step->advance(times, m_options), times);
+  m_dt_old = dt;
+  ++m_steps;
+  ++m_steps_since_renewal;
+  return times;
 }
 
 namespace {
@@ -201,7 +200,7 @@ int agreed(int mine) {
 
 /// All ranks learn whether one of them has to stop or to hand particles over.
 template <int dim>
-void Simulation<dim>::agree(const StepReport& report) {
+void Simulation<dim>::agree(const StepReport& report, const StepTimes& times) {
   enum Need { nothing, sorting, migration, stop };
   const int mine = report.broken_particle >= 0 ? stop : report.must_migrate ? migration : nothing;
   const int all = agreed(mine);
@@ -210,7 +209,7 @@ void Simulation<dim>::agree(const StepReport& report) {
     int first = petsc::world_size();
     if (mine == stop) first = rank;
     MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
-    std::string text = rank == first ? describe(report.broken_particle) : "";
+    std::string text = rank == first ? describe(report.broken_particle, times) : "";
     auto length = static_cast<int>(text.size());
     MPI_Bcast(&length, 1, MPI_INT, first, PETSC_COMM_WORLD);
     text.resize(static_cast<std::size_t>(length));
@@ -220,14 +219,14 @@ void Simulation<dim>::agree(const StepReport& report) {
   }
   if (all == migration) {
     migrate();
-  } else if (++m_state.steps_since_sort >= steps_between_sorts) {
+  } else if (++m_steps_since_sort >= steps_between_sorts) {
     m_particles->sort();
-    m_state.steps_since_sort = 0;
+    m_steps_since_sort = 0;
   }
 }
 
 template <int dim>
-std::string Simulation<dim>::describe(int p) const {
+std::string Simulation<dim>::describe(int p, const StepTimes& times) const {
   const particles::ParticleView<dim> view = m_particles->view();
   const Vector<dim> x = view.position_of(p), v = view.velocity_of(p);
   const bool outside = !m_grid->all_cells().contains(m_grid->cell_of(x));
@@ -237,12 +236,12 @@ std::string Simulation<dim>::describe(int p) const {
       "domain or a slower motion may help",
       view.id[p],
       outside ? "left the grid or lost its position" : "has a stress that is not a number",
-      m_state.step + 1, m_state.time + m_state.dt, fmt::join(x, ", "));
+      m_steps + 1, times.time + times.dt, fmt::join(x, ", "));
   details["particle"] = view.id[p];
-  details["step"] = m_state.step + 1;
-  details["last_good_step"] = m_state.step;
-  details["time_s"] = m_state.time + m_state.dt;
-  details["dt_s"] = m_state.dt;
+  details["step"] = m_steps + 1;
+  details["last_good_step"] = m_steps;
+  details["time_s"] = times.time + times.dt;
+  details["dt_s"] = times.dt;
   details["position_m"] = to_json<dim>(x);
   details["velocity_m_per_s"] = to_json<dim>(v);
   details["volume_m3"] = view.volume[p];

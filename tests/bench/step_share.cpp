@@ -104,7 +104,7 @@ double share_growing(solver::Simulation<2>& simulation, const std::string& varia
     const auto view = simulation.particles().view();
     before.assign(view[state], view[state] + count);
   }
-  simulation.advance();
+  simulation.advance(0.0, simulation.plan());
   const auto view = simulation.particles().view();
   double growing = 0.0;
   for (std::size_t p = 0; p < count; ++p)
@@ -123,14 +123,14 @@ void measure(const std::string& name, std::unique_ptr<material::Material> made,
   const auto law = std::make_shared<TimedLaw>(std::move(made));
   solver::Simulation<2> simulation(box(law));
   stress_and_stir(simulation);
-  for (int k = 0; k < warm_up; ++k) simulation.advance();
+  for (int k = 0; k < warm_up; ++k) simulation.advance(0.0, simulation.plan());
   const double plastic = plastic_measure.empty() ? 0.0 : share_growing(simulation, plastic_measure);
   std::vector<double> of_law, of_step;
   const double updates = steps * static_cast<double>(simulation.particles().local_count());
   for (int repetition = 0; repetition < repetitions; ++repetition) {
     law->take_seconds();
     const double begin = bench::cpu_seconds();
-    for (int k = 0; k < steps; ++k) simulation.advance();
+    for (int k = 0; k < steps; ++k) simulation.advance(0.0, simulation.plan());
     of_step.push_back((bench::cpu_seconds() - begin) / updates);
     of_law.push_back(law->take_seconds() / updates);
   }

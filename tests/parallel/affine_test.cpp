@@ -28,7 +28,7 @@ SimulationSetup<2> free_block(basis::Kind kind, Scheme scheme, Transfer transfer
 }
 
 /// sum m (x cross v) and, of particles that carry a velocity gradient C, m (D_x C_yx - D_y C_xy).
-double angular_momentum(const Simulation<2>& simulation, double second_moment) {
+double angular_momentum(const test::TimedSimulation<2>& simulation, double second_moment) {
   const auto view = simulation.particles().view();
   double sum = 0.0;
   for (int p = 0; p < view.count; ++p) {
@@ -44,7 +44,7 @@ double angular_momentum(const Simulation<2>& simulation, double second_moment) {
 /// Change of the angular momentum over some steps as a share of itself.
 double change_of_angular_momentum(basis::Kind kind, Scheme scheme, Transfer transfer,
                                   double second_moment) {
-  Simulation<2> simulation(free_block(kind, scheme, transfer));
+  test::TimedSimulation<2> simulation(free_block(kind, scheme, transfer));
   test::set_velocity<2>(simulation, [](const Vector<2>& x) {
     return Vector<2>{-0.3 * x[1] + 0.05 * std::sin(9 * x[1]),
                      0.3 * x[0] + 0.04 * std::cos(7 * x[0])};
@@ -69,7 +69,7 @@ TEST(Affine, linear_velocities_are_carried_with_their_gradient_by_every_basis_an
   const test::Gradient<2> L{{{-0.7, 1.1}, {0.4, 0.6}}};
   for (const Scheme scheme : {Scheme::musl, Scheme::usl, Scheme::usf})
     test::for_every_basis([&](basis::Kind kind) {
-      Simulation<2> simulation(free_block(kind, scheme, Transfer::apic));
+      test::TimedSimulation<2> simulation(free_block(kind, scheme, Transfer::apic));
       simulation.add_condition(std::make_shared<test::PrescribedGradient<2>>(L));
       test::run_steps(simulation, 1, 1e-6);
       const auto view = simulation.particles().view();
@@ -81,7 +81,7 @@ TEST(Affine, linear_velocities_are_carried_with_their_gradient_by_every_basis_an
 
 TEST(Affine, only_affine_runs_have_columns_of_velocity_gradients) {
   const auto bytes = [](Transfer transfer) {
-    return Simulation<2>(free_block(basis::Kind::cubic, Scheme::musl, transfer))
+    return test::TimedSimulation<2>(free_block(basis::Kind::cubic, Scheme::musl, transfer))
         .particles()
         .bytes_per_particle();
   };
@@ -91,7 +91,8 @@ TEST(Affine, only_affine_runs_have_columns_of_velocity_gradients) {
 
 TEST(Affine, velocity_gradients_migrate_with_their_particles) {
   const auto after = [](double speed) {
-    Simulation<2> simulation(free_block(basis::Kind::cubic, Scheme::usl, Transfer::apic));
+    test::TimedSimulation<2> simulation(
+        free_block(basis::Kind::cubic, Scheme::usl, Transfer::apic));
     const test::Gradient<2> L{{{0.0, -0.2}, {0.2, 0.0}}};
     test::set_velocity<2>(simulation, [&](const Vector<2>& x) {
       const Vector<2> v = test::linear_velocity<2>(L, x);

@@ -18,7 +18,7 @@ SimulationSetup<2> box(bool averages_volume, grid::Wall wall = grid::Wall::rolle
 
 std::vector<Snapshot<2>> after(bool averages_volume, int steps,
                                const std::function<Vector<2>(const Vector<2>&)>& velocity) {
-  Simulation<2> simulation(box(averages_volume));
+  test::TimedSimulation<2> simulation(box(averages_volume));
   test::set_velocity<2>(simulation, velocity);
   test::run_steps(simulation, steps, 1e-4);
   return test::snapshots(simulation.particles());
@@ -44,7 +44,8 @@ double rms_of_volume_change(const std::vector<Snapshot<2>>& particles) {
 
 TEST(Averaging, keeps_a_uniform_volume_change) {
   const auto swell = [](const Vector<2>& x) { return Vector<2>{0.7 * x[0], -0.2 * x[1]}; };
-  Simulation<2> plain(box(false, grid::Wall::free)), averaged(box(true, grid::Wall::free));
+  test::TimedSimulation<2> plain(box(false, grid::Wall::free)),
+      averaged(box(true, grid::Wall::free));
   for (auto* simulation : {&plain, &averaged}) {
     simulation->add_condition(std::make_shared<test::PrescribedGradient<2>>(
         test::Gradient<2>{{{0.7, 0.0}, {0.0, -0.2}}}));

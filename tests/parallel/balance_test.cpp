@@ -86,7 +86,8 @@ std::vector<double> on_all_nodes(const grid::Grid<dim>& grid, const grid::NodalF
 }
 
 template <int dim>
-Outcome<dim> outcome_of(Simulation<dim>& simulation, int steps, int steps_between_checks) {
+Outcome<dim> outcome_of(test::TimedSimulation<dim>& simulation, int steps,
+                        int steps_between_checks) {
   Outcome<dim> outcome;
   for (int k = 0; k < steps; ++k) {
     simulation.advance();
@@ -101,7 +102,7 @@ Outcome<dim> outcome_of(Simulation<dim>& simulation, int steps, int steps_betwee
 }
 
 Outcome<2> collapse(LoadBalance method) {
-  Simulation<2> simulation(column(method));
+  test::TimedSimulation<2> simulation(column(method));
   return outcome_of(simulation, collapse_steps, 20);
 }
 
@@ -109,7 +110,7 @@ template <int dim>
 Outcome<dim> flight(LoadBalance method, int steps) {
   auto setup = flying_block<dim>(method);
   if constexpr (dim == 3) setup.transfer = Transfer::apic;
-  Simulation<dim> simulation(setup);
+  test::TimedSimulation<dim> simulation(setup);
   test::set_velocity<dim>(simulation, [](const Vector<dim>& x) {
     Vector<dim> v;
     for (int d = 0; d < dim; ++d) v[d] = 1.3 - 0.3 * d + 0.02 * std::sin(9 * x[(d + 1) % dim]);
@@ -157,7 +158,7 @@ TEST(Rebalancing, keeps_the_largest_load_below_the_threshold) {
     EXPECT_LT(outcome.largest_imbalance, possible);
     auto setup = column(method);
     setup.balance.rebalance_above = 0.0;
-    Simulation<2> left_alone(setup);
+    test::TimedSimulation<2> left_alone(setup);
     const Outcome<2> other = outcome_of(left_alone, collapse_steps, 20);
     EXPECT_EQ(other.rebalancings, 0);
     EXPECT_EQ(other.largest_imbalance > std::max(threshold, outcome.largest_imbalance),
@@ -199,7 +200,7 @@ TEST(Rebalancing, repeats_itself_bit_for_bit) {
 
 /// A loaded block that is pushed along by a rigid plane: contact and boundary particles as well.
 Outcome<2> pushed_block(LoadBalance method) {
-  Simulation<2> simulation(flying_block<2>(method));
+  test::TimedSimulation<2> simulation(flying_block<2>(method));
   std::vector<particles::SurfacePiece<2>> top;
   for (int k = 0; k < 24; ++k)
     top.push_back({{0.225 + 0.05 * k, 1.375}, {0.0, 0.025}, {0.0, 0.05}, 2.0});
@@ -212,7 +213,7 @@ Outcome<2> pushed_block(LoadBalance method) {
   simulation.add_condition(contact);
   for (int k = 0; k < 150; ++k) {
     simulation.advance();
-    contact->body().position[0] += simulation.state().dt_old * plane.velocity[0];
+    contact->body().position[0] += simulation.times.dt * plane.velocity[0];
   }
   return outcome_of(simulation, 10, 5);
 }

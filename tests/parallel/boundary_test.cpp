@@ -57,7 +57,7 @@ struct Resultant {
 };
 
 template <int dim>
-Resultant<dim> resultant(Simulation<dim>& simulation) {
+Resultant<dim> resultant(test::TimedSimulation<dim>& simulation) {
   test::run_steps(simulation, 1, 1e-13);
   const grid::NodalField<dim>& sums = simulation.step().nodal_sums();
   Resultant<dim> total;
@@ -93,7 +93,7 @@ Pieces<dim> scattered(int count) {
 
 template <int dim>
 void load_is_minus_pressure_times_area_at_its_place(basis::Kind kind) {
-  Simulation<dim> simulation(free_box<dim>(kind));
+  test::TimedSimulation<dim> simulation(free_box<dim>(kind));
   const Pieces<dim> pieces = scattered<dim>(57);
   simulation.boundary().add(pieces);
   const Resultant<dim> load = resultant(simulation);
@@ -152,7 +152,7 @@ Pieces<3> tetrahedron() {
 
 template <int dim>
 void closed_surface_has_no_resultant(basis::Kind kind, const Pieces<dim>& pieces) {
-  Simulation<dim> simulation(free_box<dim>(kind));
+  test::TimedSimulation<dim> simulation(free_box<dim>(kind));
   simulation.boundary().add(pieces);
   const Resultant<dim> load = resultant(simulation);
   double largest = 0.0;
@@ -208,7 +208,7 @@ double pressed_box(basis::Kind kind, int cells, double length, int per_direction
   setup.filling.material_at = [length](const Vector<dim>& x) {
     return *std::ranges::max_element(x) < length ? std::optional(0) : std::nullopt;
   };
-  Simulation<dim> simulation(setup);
+  test::TimedSimulation<dim> simulation(setup);
   test::set_stress(simulation, {{-p, -p, -p, 0.0, 0.0, 0.0}});
   const auto particles = static_cast<int>(std::lround(length / width * per_direction));
   simulation.boundary().add(upper_sides<dim>(length, particles, p));
@@ -300,7 +300,7 @@ Errors following(basis::Kind kind, const Gradient<dim>& L, int steps) {
                                                                               : std::nullopt;
   };
   setup.materials = {test::elastic({.youngs_modulus = 1.0, .poisson_ratio = 0.1, .density = 900})};
-  Simulation<dim> simulation(setup);
+  test::TimedSimulation<dim> simulation(setup);
   simulation.add_condition(std::make_shared<test::PrescribedGradient<dim>>(L));
   Pieces<dim> pieces = scattered<dim>(11);
   for (std::size_t k = 0; k < pieces.size(); ++k) {
@@ -311,7 +311,7 @@ Errors following(basis::Kind kind, const Gradient<dim>& L, int steps) {
   simulation.boundary().add(pieces);
   const double time = 0.4;
   test::run_steps(simulation, steps, time / steps);
-  EXPECT_NEAR(simulation.state().time, time, 1e-12);
+  EXPECT_NEAR(simulation.time(), time, 1e-12);
   const Gradient<dim> F = deformation<dim>(L, time);
   Errors errors;
   for (const Patch<dim>& patch : patches(simulation.boundary())) {
@@ -391,11 +391,11 @@ struct Flight {
 };
 
 Flight flight(basis::Kind kind, double seconds) {
-  Simulation<2> simulation(flying_block(kind));
+  test::TimedSimulation<2> simulation(flying_block(kind));
   test::set_velocity<2>(simulation, [](const auto&) { return Vector<2>{1.1, 0.9}; });
   simulation.boundary().add(all_round());
   const int first = simulation.boundary().view().count;
-  while (simulation.state().time < seconds) simulation.advance();
+  while (simulation.time() < seconds) simulation.advance();
   {
     const auto view = simulation.boundary().view();
     for (int b = 0; b < view.count; ++b)
@@ -448,7 +448,7 @@ TEST(SurfaceMotion, crosses_ranks_without_loss_and_as_on_a_single_one) {
 // Making and losing -----------------------------------------------------------------------------
 
 TEST(BoundaryParticles, of_a_second_surface_join_those_of_the_first) {
-  Simulation<2> simulation(flying_block(basis::Kind::cubic));
+  test::TimedSimulation<2> simulation(flying_block(basis::Kind::cubic));
   EXPECT_TRUE(simulation.boundary().is_empty());
   Pieces<2> first = all_round(), second(first.end() - 5, first.end());
   first.resize(first.size() - 5);
@@ -469,7 +469,7 @@ TEST(BoundaryParticles, of_a_second_surface_join_those_of_the_first) {
 TEST(BoundaryParticles, anchored_outside_the_grid_are_refused_on_all_ranks) {
   for (const Vector<2>& outside :
        {Vector<2>{-0.41, 0.3}, Vector<2>{0.2, 4.41}, Vector<2>{0.2, std::nan("")}}) {
-    Simulation<2> simulation(flying_block(basis::Kind::linear));
+    test::TimedSimulation<2> simulation(flying_block(basis::Kind::linear));
     Pieces<2> pieces = all_round();
     pieces[7].anchor = outside;
     EXPECT_THROW(simulation.boundary().add(pieces), BadInput);
@@ -477,7 +477,7 @@ TEST(BoundaryParticles, anchored_outside_the_grid_are_refused_on_all_ranks) {
 }
 
 TEST(BoundaryParticles, that_leave_the_grid_stop_all_ranks) {
-  Simulation<2> simulation(flying_block(basis::Kind::quadratic));
+  test::TimedSimulation<2> simulation(flying_block(basis::Kind::quadratic));
   simulation.boundary().add(all_round());
   {
     const auto view = simulation.boundary().view();

@@ -36,7 +36,7 @@ return setup;
 /// `directions` directions, of particles of this rank; asks that all particles of a place agree.
 using State = std::array<double, 4>;
 template <int dim>
-std::map<std::vector<long>, State> states_by_place(const Simulation<dim>& simulation,
+std::map<std::vector<long>, State> states_by_place(const test::TimedSimulation<dim>& simulation,
                                                    int directions) {
   std::map<std::vector<long>, State> states;
   const auto view = simulation.particles().view();
@@ -70,9 +70,9 @@ double difference(const std::map<std::vector<long>, State>& a,
 }
 
 TEST(Dimensions, a_column_falls_together_alike_in_one_two_and_three) {
-  Simulation<1> line(slab<1>({length}));
-  Simulation<2> plane(slab<2>({length, 4}));
-  Simulation<3> space(slab<3>({length, 4, 4}));
+  test::TimedSimulation<1> line(slab<1>({length}));
+  test::TimedSimulation<2> plane(slab<2>({length, 4}));
+  test::TimedSimulation<3> space(slab<3>({length, 4, 4}));
   test::run_steps(line, steps, 2e-3);
   test::run_steps(plane, steps, 2e-3);
   test::run_steps(space, steps, 2e-3);
@@ -94,8 +94,8 @@ TEST(Dimensions, plane_strain_is_a_slab_between_rollers) {
     v[1] = 0.15 * std::cos(0.9 * x[0]) * std::sin(x[1]);
     return v;
   };
-  Simulation<2> plane(slab<2>({length, 5}));
-  Simulation<3> slice(slab<3>({length, 5, 4}));
+  test::TimedSimulation<2> plane(slab<2>({length, 5}));
+  test::TimedSimulation<3> slice(slab<3>({length, 5, 4}));
   test::set_velocity<2>(plane, squeeze);
   test::set_velocity<3>(slice, squeeze);
   test::run_steps(plane, steps, 1e-3);

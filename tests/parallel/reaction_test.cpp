@@ -57,7 +57,7 @@ solver::SimulationSetup<2> block_with_hole(double radius) {
 /// Relative difference of the contour's reaction from the one that the contact reports.
 double difference(double factor) {
   const double radius = 0.7;
-  solver::Simulation<2> simulation(block_with_hole(radius));
+  test::TimedSimulation<2> simulation(block_with_hole(radius));
   const RigidBody<2> disc{std::make_shared<Ball<2>>(radius)};
   const auto contact = std::make_shared<RigidContact<2>>(
       simulation.grid(), simulation.walls(), simulation.step().point_deposit(), disc,
@@ -72,7 +72,7 @@ double difference(double factor) {
   double time = 0.0;
   for (int k = 0; k < 500; ++k) {
     simulation.advance();
-    const double dt = simulation.state().last_momentum_dt;
+    const double dt = simulation.times.momentum_dt();
     contour.sample(simulation.particles().view(), disc, simulation.gravity(), dt);
     time += dt;
   }

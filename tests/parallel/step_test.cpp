@@ -43,7 +43,7 @@ double courant_of(Scheme scheme) {
 /// Largest nodal force after two steps under constant stress, as a share of stress times cell face.
 template <int dim>
 double patch_residual(SimulationSetup<dim> setup, const SymmetricTensor& stress) {
-  Simulation<dim> simulation(setup);
+  test::TimedSimulation<dim> simulation(setup);
   test::set_stress(simulation, stress);
   run_steps(simulation, 2, 1e-13);
   const grid::NodalField<dim>& sums = simulation.step().nodal_sums();
@@ -128,7 +128,7 @@ TEST(PatchTest, open_knots_leave_their_known_residual) {
     const int cells = 13;
     auto setup = test::full_box<1>(equal_lines<1>(-0.7, 3.2, cells), Wall::free, per_cell);
     setup.ends = basis::EndTreatment::open_knot;
-    Simulation<1> simulation(setup);
+    test::TimedSimulation<1> simulation(setup);
     const double sigma = 2.3e4;
     test::set_stress(simulation, {{sigma, 0.0, 0.0, 0.0, 0.0, 0.0}});
     run_steps(simulation, 1, 1e-13);
@@ -154,10 +154,10 @@ TEST(PatchTest, open_knots_leave_their_known_residual) {
 template <int dim>
 void linear_field_is_reproduced(const SimulationSetup<dim>& setup, const Gradient<dim>& L,
                                 const std::function<bool(const Vector<dim>&)>& is_inside) {
-  Simulation<dim> simulation(setup);
+  test::TimedSimulation<dim> simulation(setup);
   test::set_velocity<dim>(simulation, [&](const auto& x) { return linear_velocity<dim>(L, x); });
   const double dt = 1e-5;
-  simulation.state().dt_old = dt;
+  simulation.assume_last_step(dt);
   run_steps(simulation, 1, dt);
   const double E = test::soft.youngs_modulus, nu = test::soft.poisson_ratio;
   const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), mu = 0.5 * E / (1 + nu);
@@ -241,13 +241,12 @@ SimulationSetup<2> flying_block(basis::Kind kind) {
 
 TEST(RigidTranslation, leaves_no_stress_and_no_particle_behind) {
   test::for_every_basis([](basis::Kind kind) {
-    Simulation<2> simulation(flying_block(kind));
+    test::TimedSimulation<2> simulation(flying_block(kind));
     const Vector<2> v{-0.17, 0.31};
     test::set_velocity<2>(simulation, [&](const auto&) { return v; });
-    while (simulation.state().time < 1.7) simulation.advance();
+    while (simulation.time() < 1.7) simulation.advance();
     for (const Snapshot<2>& p : test::snapshots(simulation.particles())) {
-      for (int d : {0, 1})
-        EXPECT_NEAR(p.position[d], p.start[d] + v[d] * simulation.state().time, 1e-12);
+      for (int d : {0, 1}) EXPECT_NEAR(p.position[d], p.start[d] + v[d] * simulation.time(), 1e-12);
       for (double component : p.stress)
         EXPECT_NEAR(component / test::soft.youngs_modulus, 0, 1e-12);
     }
@@ -255,7 +254,7 @@ TEST(RigidTranslation, leaves_no_stress_and_no_particle_behind) {
 }
 
 void momentum_of_a_shaken_body_stays(const SimulationSetup<2>& setup) {
-  Simulation<2> simulation(setup);
+  test::TimedSimulation<2> simulation(setup);
   test::set_velocity<2>(simulation, [&](const Vector<2>& x) {
     return Vector<2>{-0.1 + 0.05 * std::sin(9 * x[1]), 0.2 + 0.03 * std::cos(11 * x[0])};
   });
@@ -306,7 +305,7 @@ void turn_keeps_stress_and_volume(basis::Kind kind, const Gradient<dim>& spin, d
     for (double component : x) square += component * component;
     return square < 0.16 ? std::optional(0) : std::nullopt;
   };
-  Simulation<dim> simulation(setup);
+  test::TimedSimulation<dim> simulation(setup);
   simulation.add_condition(std::make_shared<test::PrescribedGradient<dim>>(spin));
   test::set_stress(simulation, any_stress);
   const auto before = test::snapshots(simulation.particles());
@@ -355,20 +354,20 @@ SimulationSetup<2> discs(bool half) {
   return setup;
 }
 
-void start_discs(Simulation<2>& simulation) {
+void start_discs(test::TimedSimulation<2>& simulation) {
   test::set_velocity<2>(simulation, [](const Vector<2>& x) {
     return Vector<2>{x[0] > 0.0 ? -disc_speed : disc_speed, 0.0};
   });
 }
 
 /// Of the motion about the common centre of mass.
-double relative_energy(const Simulation<2>& simulation) {
+double relative_energy(const test::TimedSimulation<2>& simulation) {
   const Vector<2> P = simulation.momentum();
   return simulation.kinetic_energy() - 0.5 * (P[0] * P[0] + P[1] * P[1]) / simulation.total_mass();
 }
 
 /// Between the facing ends of the discs.
-double gap(Simulation<2>& simulation) {
+double gap(test::TimedSimulation<2>& simulation) {
   double left = -1e9, right = 1e9;
   const auto view = simulation.particles().view();
   for (int p = 0; p < view.count; ++p) {
@@ -382,7 +381,7 @@ double gap(Simulation<2>& simulation) {
 }
 
 /// Sum of V sigma : C^-1 sigma / 2.
-double strain_energy(Simulation<2>& simulation) {
+double strain_energy(test::TimedSimulation<2>& simulation) {
   const double E = test::soft.youngs_modulus, nu = test::soft.poisson_ratio;
   const auto view = simulation.particles().view();
   double energy = 0.0;
@@ -399,7 +398,7 @@ double strain_energy(Simulation<2>& simulation) {
 struct Rebound {
   double kinetic, lowest_kinetic, mechanical;
 };
-Rebound collide(Simulation<2>& simulation, const Vector<2>& common) {
+Rebound collide(test::TimedSimulation<2>& simulation, const Vector<2>& common) {
   test::set_velocity<2>(simulation, [&](const Vector<2>& x) {
     return Vector<2>{common[0] + (x[0] > 0.0 ? -disc_speed : disc_speed), common[1]};
   });
@@ -407,7 +406,7 @@ Rebound collide(Simulation<2>& simulation, const Vector<2>& common) {
   const Vector<2> momentum = simulation.momentum();
   const double first_gap = gap(simulation);
   double lowest = energy;
-  while (simulation.state().time < 40.0 && (lowest == energy || gap(simulation) < first_gap)) {
+  while (simulation.time() < 40.0 && (lowest == energy || gap(simulation) < first_gap)) {
     for (int k = 0; k < 20; ++k) simulation.advance();
     lowest = std::min(lowest, relative_energy(simulation));
   }
@@ -420,7 +419,7 @@ Rebound collide(Simulation<2>& simulation, const Vector<2>& common) {
 }
 
 TEST(Collision, of_two_discs_keeps_mass_and_momentum_and_gives_the_energy_back) {
-  Simulation<2> simulation(discs(false));
+  test::TimedSimulation<2> simulation(discs(false));
   const Rebound rebound = collide(simulation, {0.0, 0.0});
   EXPECT_LT(rebound.lowest_kinetic, 0.2);
   EXPECT_GT(rebound.kinetic, 0.95);
@@ -429,7 +428,7 @@ TEST(Collision, of_two_discs_keeps_mass_and_momentum_and_gives_the_energy_back) 
 /// Where the discs do not touch on a grid line, the common nodes hold them together for a while as
 /// they part and leave stress in their surfaces: that energy is kept, but not as motion.
 TEST(Collision, in_a_moving_frame_keeps_momentum_and_mechanical_energy) {
-  Simulation<2> simulation(discs(false));
+  test::TimedSimulation<2> simulation(discs(false));
   const Rebound rebound = collide(simulation, {-0.007, 0.009});
   EXPECT_LT(rebound.lowest_kinetic, 0.2);
   EXPECT_NEAR(rebound.mechanical, 1.0, 0.03);
@@ -442,12 +441,12 @@ constexpr int disc_steps = 1000;
 void half_model_equals_the_full_one(basis::Kind kind) {
   auto full_setup = discs(false), half_setup = discs(true);
   full_setup.basis = half_setup.basis = kind;
-  Simulation<2> full(full_setup), half(half_setup);
-  for (Simulation<2>* simulation : {&full, &half}) {
+  test::TimedSimulation<2> full(full_setup), half(half_setup);
+  for (test::TimedSimulation<2>* simulation : {&full, &half}) {
     start_discs(*simulation);
     run_steps(*simulation, disc_steps, disc_dt);
   }
-  EXPECT_GT(full.state().time, 0.999 * disc_steps * disc_dt);  // dt was never cut
+  EXPECT_GT(full.time(), 0.999 * disc_steps * disc_dt);  // dt was never cut
   auto by_start = [](const Snapshot<2>& a, const Snapshot<2>& b) {
     auto key = [](const Snapshot<2>& p) {
       return std::pair(std::llround(1e6 * p.start[1]), std::llround(1e6 * p.start[0]));
@@ -479,7 +478,7 @@ TEST(HalfModel, equals_the_full_one_over_1000_steps) {
 // Ranks -----------------------------------------------------------------------------------------
 
 std::vector<Snapshot<2>> discs_after(int steps) {
-  Simulation<2> simulation(discs(false));
+  test::TimedSimulation<2> simulation(discs(false));
   test::set_velocity<2>(simulation, [](const Vector<2>& x) {
     return x[0] > 0.0 ? Vector<2>{-2 * disc_speed, 0.03} : Vector<2>{3 * disc_speed, 0.02};
   });
@@ -542,7 +541,7 @@ SimulationSetup<2> block_and_victim() {
 /// Lets a change act on the victim; runs until all ranks fail with a message that has its id.
 template <class Change>
 void expect_failure_that_names_the_victim(const std::string& reason, const Change& change) {
-  Simulation<2> simulation(block_and_victim());
+  test::TimedSimulation<2> simulation(block_and_victim());
   int victims = 0;
   {
     const auto view = simulation.particles().view();
@@ -559,7 +558,7 @@ void expect_failure_that_names_the_victim(const std::string& reason, const Chang
   }
   EXPECT_NE(message.find(fmt::format("particle {} ", victim)), std::string::npos) << message;
   EXPECT_NE(message.find(reason), std::string::npos) << message;
-  const std::string step = fmt::format("\"last_good_step\":{},", simulation.state().step);
+  const std::string step = fmt::format("\"last_good_step\":{},", simulation.steps());
   EXPECT_NE(details.find(step), std::string::npos) << details;
   EXPECT_NE(details.find(fmt::format("\"particle\":{},", victim)), std::string::npos) << details;
 }
@@ -585,7 +584,7 @@ double swinging_bar(Scheme scheme, basis::Kind kind, int steps, double end_time)
   auto setup = test::full_box<1>(equal_lines<1>(0.0, 1.3, 13), Wall::fixed);
   setup.basis = kind;
   setup.scheme = scheme;
-  Simulation<1> simulation(setup);
+  test::TimedSimulation<1> simulation(setup);
   const double k = std::numbers::pi / 1.3, amplitude = 1e-7;
   test::set_velocity<1>(simulation,
                         [&](const auto& x) { return Vector<1>{amplitude * std::sin(k * x[0])}; });
@@ -598,7 +597,7 @@ double swinging_bar(Scheme scheme, basis::Kind kind, int steps, double end_time)
   for (int n = 0; n < steps; ++n)
     run_steps(simulation, 1, end_time / steps * (0.1 + 1.8 * (n + 0.5) / steps));
   run_steps(simulation, 1, 1e-13);  // usf strains for an interval in the step after it
-  EXPECT_NEAR(simulation.state().time, end_time, 1e-12);
+  EXPECT_NEAR(simulation.time(), end_time, 1e-12);
   double sum = 0.0;
   for (const Snapshot<1>& p : test::snapshots(simulation.particles()))
     sum += p.stress[0] * std::cos(k * p.start[0]);
@@ -640,16 +639,16 @@ double decay_rate(basis::Kind kind, double courant, double flip_time) {
   setup.basis = kind;
   setup.courant = courant;
   setup.flip_time = flip_time;
-  Simulation<1> simulation(setup);
+  test::TimedSimulation<1> simulation(setup);
   const double k = 3 * std::numbers::pi / 1.3;
   test::set_velocity<1>(simulation,
                         [&](const auto& x) { return Vector<1>{1e-6 * std::sin(k * x[0])}; });
   double first = 0.0, last = 0.0;
-  while (simulation.state().time < 5.0) {
+  while (simulation.time() < 5.0) {
     simulation.advance();
-    const double share = simulation.kinetic_energy() * simulation.state().dt_old;
-    if (simulation.state().time < 1.0) first += share;
-    if (simulation.state().time > 4.0) last += share;
+    const double share = simulation.kinetic_energy() * simulation.times.dt;
+    if (simulation.time() < 1.0) first += share;
+    if (simulation.time() > 4.0) last += share;
   }
   return std::log(first / last) / 4.0;
 }
@@ -673,13 +672,13 @@ Unseen unseen_pattern(Scheme scheme, basis::Kind kind, double flip_time) {
   setup.basis = kind;
   setup.scheme = scheme;
   setup.flip_time = flip_time;
-  Simulation<1> simulation(setup);
+  test::TimedSimulation<1> simulation(setup);
   const auto pattern = [](const Vector<1>& x) {
     return static_cast<int>((x[0] - 0.3) / 0.1) % 2 == 0 ? 0.013 : -0.013;
   };
   test::set_velocity<1>(simulation, [&](const auto& x) { return Vector<1>{pattern(x)}; });
-  while (simulation.state().time < 1.1) simulation.advance();
-  Unseen unseen{1e9, -1e9, simulation.state().time - 0.5 * simulation.state().dt_old};
+  while (simulation.time() < 1.1) simulation.advance();
+  Unseen unseen{1e9, -1e9, simulation.time() - 0.5 * simulation.times.dt};
   for (const Snapshot<1>& p : test::snapshots(simulation.particles())) {
     const double share = p.velocity[0] / pattern(p.start);
     unseen.smallest_share = std::min(unseen.smallest_share, share);
@@ -705,7 +704,7 @@ TEST(FlipTime, of_infinity_keeps_velocities_that_the_grid_does_not_see) {
 }
 
 std::vector<Snapshot<2>> shaken_block(const SimulationSetup<2>& setup) {
-  Simulation<2> simulation(setup);
+  test::TimedSimulation<2> simulation(setup);
   test::set_velocity<2>(simulation, [](const Vector<2>& x) {
     return Vector<2>{0.05 * std::sin(9 * x[1]), 0.03 * std::cos(11 * x[0])};
   });

@@ -52,7 +52,8 @@ PARALLEL = {
     **{f"vortex_{update}_{transfer}": f"-scene vortex -cells 16 -max_steps 30 -update {update} "
                                       f"-transfer {transfer}"
        for update in UPDATES for transfer in TRANSFERS},
-    **{f"incline_{basis}": f"-scene incline -max_steps 60 -basis {basis}" for basis in BASES},
+    **{f"incline_{basis}": f"-scene incline -max_steps 60 -basis {basis} "
+                                      "-counted_stage settling" for basis in BASES},
     **{f"triaxial_{basis}": f"{CUBE} -max_steps 30 -basis {basis}" for basis in BASES},
     **{f"pipe_{detection}_{normal}": f"{PIPE} -max_steps 300 -contact_detection {detection} "
                                      f"-contact_normal {normal}"
@@ -73,7 +74,7 @@ PARALLEL = {
                    "-rebalance_above 1.001",
     "rotation": "-scene rotation -max_steps 60",
     "rotation_free": "-scene rotation -turn free -max_steps 60",
-    "incline_disc": "-scene incline -body disc -max_steps 60",
+    "incline_disc": "-scene incline -body disc -max_steps 60 -counted_stage settling",
     "traction": "-scene traction -max_steps 150",
     "reversal": "-scene reversal -cells 3 -cycles 1 -strain_rate 1 -max_steps 150",
     "reversal_usf": "-scene reversal -cells 3 -cycles 1 -strain_rate 1 -max_steps 60 -update usf",

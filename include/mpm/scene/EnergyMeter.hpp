@@ -34,26 +34,25 @@ double strain_energy(const solver::Simulation<dim>& simulation,
 template <int dim>
 class EnergyMeter {
  public:
-  /// Measures the start, where velocity and stress belong to one time. Collective; both must
-  /// outlive the meter.
+  /// Measures the start at time 0, where velocity and stress belong to one time. Collective; both
+  /// must outlive the meter.
   EnergyMeter(const solver::Simulation<dim>& simulation, const material::LinearElastic& law)
-      : m_simulation(simulation), m_law(law), m_start(now()), m_last(m_start) {}
+      : m_simulation(simulation), m_law(law), m_start(at(0.0)), m_last(m_start) {}
 
   const Energies& start() const { return m_start; }
 
-  /// To be called after every step: the energies where that step began, the kinetic one as the
-  /// mean of half a step before and half a step after. Collective.
-  Energies after_step() {
+  /// To be called after every step, which ends at `time`: the energies where that step began, the
+  /// kinetic one as the mean of half a step before and half a step after. Collective.
+  Energies after_step(double time) {
     const Energies before = m_last;
-    m_last = now();
+    m_last = at(time);
     if (before.time == m_start.time) return m_start;
     return {before.time, 0.5 * (before.kinetic + m_last.kinetic), before.strain};
   }
 
  private:
-  Energies now() const {
-    return {m_simulation.state().time, m_simulation.kinetic_energy(),
-            strain_energy(m_simulation, m_law)};
+  Energies at(double time) const {
+    return {time, m_simulation.kinetic_energy(), strain_energy(m_simulation, m_law)};
   }
 
   const solver::Simulation<dim>& m_simulation;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "mpm/io/FieldOutput.hpp"
 #include "mpm/io/Summary.hpp"
+#include "mpm/scene/Clock.hpp"
 #include "mpm/scene/Progress.hpp"
 #include "mpm/scene/RunOptions.hpp"
 #include "mpm/solver/Simulation.hpp"
@@ -18,12 +20,16 @@ struct Stage {
   std::string name;
   /// The stage is over at 1; also drives the progress line.
   std::function<double()> share_done;
-  std::function<void()> before_step;
+  /// Called with the length of the step to come, s.
+  std::function<void(double dt)> before_step;
   std::function<void()> after_step;
   /// Short text for the progress line, from values at hand (no communication).
   std::function<std::string()> status;
   /// Time at which the stage ends, if known: the last step is cut to meet it.
-  double end_time = 0.0;  ///< s within the stage; 0 if unknown
+  double end_time = 0.0;                                     ///< s within the stage; 0 if unknown
+  double longest_step = std::numeric_limits<double>::max();  ///< s
+  /// Limits and outputs of the run count from the beginning of the first such stage on.
+  bool is_main = true;
 };
 
 /// Drives the steps of a simulation through stages; owns outputs, progress and timing.
@@ -33,10 +39,19 @@ class RunLoop {
   /// Collective.
   RunLoop(const RunOptions& options, solver::Simulation<dim>& simulation);
 
+  const Clock& clock() const { return m_clock; }
+
+  /// From here on time counts from zero, and displacements and strains do. Local.
+  void begin_anew() {
+    m_simulation.start_from_rest();
+    m_clock.time = 0.0;
+  }
+
   /// Returns false if the run as a whole is over (-end_time, -max_steps). Collective.
   bool run(const Stage& stage);
 
-  /// Writes particles and grid now; `numbers` go with it as attributes. Collective.
+  /// Writes particles and grid now unless this step has been written; `numbers` go with it as
+  /// attributes. Collective.
   void write_fields(std::vector<std::pair<std::string, double>> numbers = {});
   /// Numbers to go with outputs that the loop itself decides on.
   void set_output_numbers(std::function<std::vector<std::pair<std::string, double>>()> numbers) {
@@ -48,13 +63,15 @@ class RunLoop {
 
  private:
   bool is_over() const;
-  void limit_step(const Stage& stage);
+  double longest_step(const Stage& stage) const;
   void write_due_fields();
 
   const RunOptions& m_options;
   solver::Simulation<dim>& m_simulation;
   io::FieldOutput<dim> m_output;
   Progress m_progress;
+  Clock m_clock;
+  long long m_last_written = -1;  ///< step
   std::function<std::vector<std::pair<std::string, double>>()> m_output_numbers;
   std::vector<double> m_times_left;
   double m_seconds_in_steps = 0.0;

@@ -32,6 +32,8 @@ struct RunOptions {
   std::int64_t history_every = 0;
   std::optional<double> end_time;
   std::int64_t max_steps = 0;
+  /// Where the limits and outputs above count from the beginning of; the main one if empty.
+  std::string counted_stage;
   ProgressDisplay progress = ProgressDisplay::automatic;
 
   void declare(options::OptionSet& options);

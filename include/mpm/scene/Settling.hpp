@@ -10,6 +10,7 @@ namespace mpm::scene {
 /// How a body comes to rest under local damping.
 struct Settling {
   std::string name;
+  bool is_main = false;  ///< see Stage
   double damping = 0.7;
   double tolerance = 1e-3;      ///< the end: sum |f| as a share of the reference force
   double reference_force = 0;   ///< N; 0 stands for the weight

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,8 +14,8 @@
 #include "mpm/particles/Particles.hpp"
 #include "mpm/particles/Seeding.hpp"
 #include "mpm/solver/Balance.hpp"
-#include "mpm/solver/RunState.hpp"
 #include "mpm/solver/Step.hpp"
+#include "mpm/solver/StepTimes.hpp"
 
 namespace mpm::solver {
 
@@ -37,26 +38,29 @@ struct SimulationSetup {
   BalanceOptions balance;
 };
 
-/// Grid, particles and step of one run, and the clock that drives them.
+/// Grid, particles and step of one run. What time it is, the run knows: see run/Clock.hpp.
 template <int dim>
 class Simulation {
  public:
   /// Lays out the grid over the ranks, seeds the particles. Collective.
   explicit Simulation(const SimulationSetup<dim>& setup);
 
-  /// Advances by one step: renews dt and the balance of the ranks when due, keeps particles sorted
-  /// and on their ranks. Throws
-  /// NumericalFailure on all ranks if a particle left the grid or a stress is not finite, naming
-  /// the particle. Collective.
-  void advance();
+  /// The length of the next step, s: the stable one, renewed when due, or `limit`, e.g. to end at a
+  /// given time. Renews the balance of the ranks when due. Throws NumericalFailure where the stable
+  /// step collapses. Collective.
+  double plan(double limit = std::numeric_limits<double>::max());
 
-  /// dt no longer than this, e.g. to end at a given time; the smallest limit holds and is forgotten
-  /// after the next step.
-  void limit_next_step(double dt) { m_dt_limit = std::min(m_dt_limit, dt); }
+  /// Advances from `time` by one step of dt, which plan() has given; keeps particles sorted and on
+  /// their ranks. Returns the times of the step. Throws NumericalFailure on all ranks if a particle
+  /// left the grid or a stress is not finite, naming the particle. Collective.
+  StepTimes advance(double time, double dt);
 
   /// Sets velocities, displacements and accumulated strain to zero and halves the next change of
   /// momentum: the start of a stage from rest. Local.
   void start_from_rest();
+
+  /// As if the last step had had this length, s. Local.
+  void assume_last_step(double dt) { m_dt_old = dt; }
 
   /// Rigid bodies and the like, which act on nodes in the order they were added.
   void add_condition(std::shared_ptr<grid::NodalCondition<dim>> condition);
@@ -64,13 +68,13 @@ class Simulation {
   void set_damping(double damping) { m_options.damping = damping; }
   void set_gravity(const Vector<dim>& gravity) { m_options.body_force.uniform = gravity; }
   const Vector<dim>& gravity() const { return m_options.body_force.uniform; }
-  /// A body force that depends on the undeformed position, in place of gravity; m/s^2.
-  void set_body_force(std::function<Vector<dim>(const Vector<dim>&)> field) {
-    m_options.body_force.at_reference_position = std::move(field);
+  /// A body force that depends on the undeformed position and on time, in place of gravity; m/s^2.
+  void set_body_force(std::function<Vector<dim>(const Vector<dim>&, double time)> field) {
+    m_body_force = std::move(field);
   }
 
-  const RunState& state() const { return m_state; }
-  RunState& state() { return m_state; }
+  /// Steps taken so far.
+  long long steps() const { return m_steps; }
   const grid::Grid<dim>& grid() const { return *m_grid; }
   const grid::Walls<dim>& walls() const { return m_walls; }
   particles::Particles<dim>& particles() { return *m_particles; }
@@ -100,8 +104,8 @@ class Simulation {
   void rebalance();
   void migrate();
   void renew_time_step();
-  void agree(const StepReport& report);
-  std::string describe(int particle) const;
+  void agree(const StepReport& report, const StepTimes& times);
+  std::string describe(int particle, const StepTimes& times) const;
 
   Balance<dim> m_balance;
   std::unique_ptr<grid::Grid<dim>> m_grid;
@@ -113,8 +117,12 @@ class Simulation {
   std::unique_ptr<Step<dim>> m_step;
   StepOptions<dim> m_options;
   double m_courant;
-  double m_dt_limit;
-  RunState m_state;
+  std::function<Vector<dim>(const Vector<dim>&, double)> m_body_force;
+  double m_stable_dt = 0.0;  ///< s, as last renewed
+  double m_dt_old = 0.0;     ///< s, of the last step; 0 halves the next change of momentum
+  long long m_steps = 0;
+  int m_steps_since_renewal = 0;  ///< of the stable dt
+  int m_steps_since_sort = 0;
   int m_rebalancings = 0;
 };
 

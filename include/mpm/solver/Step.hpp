@@ -11,7 +11,7 @@
 #include "mpm/grid/Walls.hpp"
 #include "mpm/particles/BoundaryParticles.hpp"
 #include "mpm/particles/Particles.hpp"
-#include "mpm/solver/RunState.hpp"
+#include "mpm/solver/StepTimes.hpp"
 #include "mpm/transfer/PointDeposit.hpp"
 #include "mpm/transfer/Transfer.hpp"
 
@@ -54,8 +54,8 @@ class Step {
  public:
   virtual ~Step() = default;
 
-  /// Advances grid and particles by state.dt. Collective.
-  virtual StepReport advance(const RunState& state, const StepOptions<dim>& options) = 0;
+  /// Advances grid and particles by times.dt. Collective.
+  virtual StepReport advance(const StepTimes& times, const StepOptions<dim>& options) = 0;
 
   /// Smallest h_p / (c_p + |v_p|) over this rank's particles, s. Local.
   virtual double smallest_transit_time() const = 0;
