@@ -90,7 +90,8 @@ void print_summary(const Root& root, const Scene& scene, const io::Summary& summ
              fmt::format("  {:<24} {}\n", "results in", scene.output_directory()));
 }
 
-ExitCode run_scene(const options::CommandLine& line, const Root& root, Clock::time_point begin) {
+ExitCode run_scene(const options::CommandLine& line, const Root& root,
+                   Clock::time_point begin) {
   const auto name = line.value_of("scene");
   if (!name) throw BadInput(fmt::format("-scene is missing: name one of\n{}", list_of_scenes()));
   const SceneKind& kind = find_scene(*name);
@@ -102,6 +103,7 @@ ExitCode run_scene(const options::CommandLine& line, const Root& root, Clock::ti
     return ExitCode::finished;
   }
   options.assign(without_scene(line));
+  scene->prepare();
   io::make_directory(scene->output_directory());
   io::remove_results(scene->output_directory());
   io::write_text_file(scene->output_directory() + "/used.opts",

@@ -128,7 +128,7 @@ class Bar : public Scene {
               .share_done = [&] { return loop.clock().time_in_stage / end + 1e-12; },
               .after_step =
                   [&] {
-                    const Clock& clock = loop.clock();
+                    const run::Clock& clock = loop.clock();
                     const Motion before = std::exchange(motion, measure(simulation));
                     error = phase_error(before, motion, clock.time - 0.5 * clock.dt);
                     energies = meter.after_step(clock.time);
@@ -144,7 +144,7 @@ class Bar : public Scene {
     summary.set("error_phase", error);
   }
 
-  RunOptions m_run;
+  run::RunOptions m_run;
   std::int64_t m_cells = 50;
   double m_velocity = 0.1;
   double m_periods = 10.0;

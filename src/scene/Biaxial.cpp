@@ -7,8 +7,8 @@
 #include "mpm/core/Errors.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/petsc/Session.hpp"
+#include "mpm/run/InitialStress.hpp"
 #include "mpm/scene/BiaxialOptions.hpp"
-#include "mpm/scene/InitialStress.hpp"
 #include "mpm/scene/RigidContactOf.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "mpm/scene/Settling.hpp"
@@ -86,7 +86,7 @@ BiaxialRun::BiaxialRun(const BiaxialOptions& options, io::Summary& summary)
 }
 
 void BiaxialRun::run() {
-  prescribe_pressure(m_simulation, m_options.confining_pressure);
+  run::prescribe_pressure(m_simulation, m_options.confining_pressure);
   if (consolidate()) compress();
   conclude();
 }
@@ -113,7 +113,7 @@ void BiaxialRun::compress() {
               .share_done = [&] { return axial_strain() / m_options.strain_end + 1e-9; },
               .before_step =
                   [&](double dt) {
-                    const Clock& clock = m_loop.clock();
+                    const run::Clock& clock = m_loop.clock();
                     m_plate->body().velocity[1] =
                         -m_options.ramp().at(clock.time_in_stage + 0.5 * dt);
                   },
@@ -126,7 +126,7 @@ void BiaxialRun::compress() {
 }
 
 void BiaxialRun::after_step() {
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   contact::RigidBody<2>& plate = m_plate->body();
   plate.position[1] += plate.velocity[1] * clock.dt;
   m_contour.sample(m_simulation.particles().view(), plate, m_simulation.gravity(),
@@ -145,7 +145,7 @@ void BiaxialRun::after_step() {
 }
 
 void BiaxialRun::write_row() {
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   const double impulse = petsc::sum(m_plate->take_impulse()[1]);
   const double stress = impulse / m_time_since_row / m_options.width;
   const double contour = m_contour.take_mean()[1] / m_options.width;

@@ -9,7 +9,7 @@
 #include "mpm/io/TextFile.hpp"
 #include "mpm/material/MohrCoulomb.hpp"
 #include "mpm/petsc/Session.hpp"
-#include "mpm/scene/InitialStress.hpp"
+#include "mpm/run/InitialStress.hpp"
 #include "mpm/scene/RigidContactOf.hpp"
 #include "mpm/scene/RunLoop.hpp"
 #include "mpm/scene/Scene.hpp"
@@ -28,7 +28,7 @@ constexpr double rows_per_time = 50.0;            // rows of history.csv in sqrt
 enum class Base { rough, frictional };
 
 struct CollapseOptions {
-  RunOptions run;
+  run::RunOptions run;
   mutable material::MohrCoulombFactory material;
   std::int64_t cells = 20;    ///< over the width
   double aspect_ratio = 1.0;  ///< a = h0/l0
@@ -145,7 +145,7 @@ CollapseRun::CollapseRun(const CollapseOptions& options, io::Summary& summary)
   m_energy_scale = 0.5 * m_simulation.total_mass() * options.gravity * options.height();
   if (options.base == Base::frictional) stand();
   const double weight = m_density * options.gravity;
-  prescribe_stress<2>(m_simulation, [&](const Vector<2>& x) {
+  run::prescribe_stress<2>(m_simulation, [&](const Vector<2>& x) {
     const double vertical = -weight * (options.base_height() + options.height() - x[1]);
     return SymmetricTensor{{options.K0 * vertical, vertical, options.K0 * vertical, 0, 0, 0}};
   });
@@ -161,7 +161,7 @@ void CollapseRun::stand() {
 void CollapseRun::run() {
   write_row();
   m_loop.write_fields();
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   const double last = longest * m_options.time_scale();
   m_loop.run({.name = "collapse",
               .share_done =
@@ -181,7 +181,7 @@ void CollapseRun::run() {
 void CollapseRun::after_step() {
   m_kinetic = m_simulation.kinetic_energy();
   m_largest_kinetic = std::max(m_largest_kinetic, m_kinetic);
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   const long long every = m_options.run.history_every;
   if (every > 0 ? clock.step % every == 0 : clock.time >= m_next_row) write_row();
 }
@@ -212,7 +212,7 @@ Outline CollapseRun::outline() const {
 }
 
 void CollapseRun::write_row() {
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   const Outline now = outline();
   m_next_row = clock.time + m_options.time_scale() / rows_per_time;
   m_history.row({clock.time, now.front, now.height, now.front / m_options.width - 1.0, m_kinetic,

@@ -22,7 +22,7 @@ constexpr int windows = 10;        // parts of a run whose largest energies are 
 constexpr double unsteady = 1.02;  // of the last window over an earlier one, above which it grows
 
 struct CutCellOptions {
-  RunOptions run;
+  run::RunOptions run;
   mutable material::LinearElasticFactory material;
   std::int64_t dimension = 1;
   std::int64_t cells = 6;
@@ -188,7 +188,7 @@ double CutCellRun<dim>::energy() const {
 template <int dim>
 void CutCellRun<dim>::run() {
   const auto steps = static_cast<double>(m_options.steps);
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   const auto after_step = [&] {
     m_energy = energy() / m_initial_energy;
     if (std::isnan(m_energy)) m_energy = blown_up;

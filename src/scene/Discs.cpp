@@ -178,7 +178,7 @@ class Discs : public Scene {
               .share_done = [&] { return loop.clock().time_in_stage / duration() + 1e-12; },
               .after_step =
                   [&] {
-                    const Clock& clock = loop.clock();
+                    const run::Clock& clock = loop.clock();
                     const Vector<2> now = simulation.momentum();
                     const double error =
                         std::hypot(now[0] - momentum[0], now[1] - momentum[1]) / of_one_disc;
@@ -198,7 +198,7 @@ class Discs : public Scene {
     summary.set("restitution", -speed / closing_speed(start));
   }
 
-  RunOptions m_run;
+  run::RunOptions m_run;
   std::int64_t m_cells = 40;
   double m_speed = 0.1;
   double m_second_radius = first_radius;

@@ -143,12 +143,12 @@ class Footing : public Scene {
               .share_done = [&] { return -footing.level / way + 1e-9; },
               .before_step =
                   [&](double dt) {
-                    const Clock& clock = loop.clock();
+                    const run::Clock& clock = loop.clock();
                     footing.velocity = -ramp.at(clock.time + 0.5 * dt);
                   },
               .after_step =
                   [&] {
-                    const Clock& clock = loop.clock();
+                    const run::Clock& clock = loop.clock();
                     footing.level += footing.velocity * clock.dt;
                     time += clock.momentum_dt;
                     const double settlement = -footing.level / m_width;
@@ -208,7 +208,7 @@ class Footing : public Scene {
     return setup;
   }
 
-  RunOptions m_run;
+  run::RunOptions m_run;
   Base m_base = Base::rough;
   std::int64_t m_cells = 10;
   double m_width = 2.0;

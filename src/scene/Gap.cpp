@@ -105,7 +105,7 @@ class Gap : public Scene {
              [&] { return force > 0.0 ? 1.0 : 1.0 - (gap + overrun) / (cells_between + overrun); },
          .after_step =
              [&] {
-               const Clock& clock = loop.clock();
+               const run::Clock& clock = loop.clock();
                force = -petsc::sum(contact.take_impulse()[1]) / clock.momentum_dt;
                if (force != 0.0) summary.set("error_gap_cells", -gap);
                history.row({clock.time, gap, force, clock.dt, static_cast<double>(clock.step)});
@@ -136,7 +136,7 @@ class Gap : public Scene {
     return setup;
   }
 
-  RunOptions m_run;
+  run::RunOptions m_run;
   Shape m_shape = Shape::block;
   contact::Detection m_detection = contact::Detection::particle;
   double m_gap_cells = 0.6;

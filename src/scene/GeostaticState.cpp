@@ -6,13 +6,13 @@
 
 #include "mpm/core/Errors.hpp"
 #include "mpm/petsc/Session.hpp"
-#include "mpm/scene/InitialStress.hpp"
+#include "mpm/run/InitialStress.hpp"
 
 namespace mpm::scene {
 
 void prescribe_geostatic(solver::Simulation<2>& simulation, const GeostaticStress& stress) {
   try {
-    prescribe_stress<2>(simulation, [&](const Vector<2>& x) {
+    run::prescribe_stress<2>(simulation, [&](const Vector<2>& x) {
       const double vertical = stress.unit_weight * x[1];  // tension positive
       return SymmetricTensor{{stress.K0 * vertical, vertical, stress.K0 * vertical, 0.0, 0.0, 0.0}};
     });

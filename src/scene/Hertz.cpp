@@ -100,7 +100,7 @@ class Hertz : public Scene {
                          "kinetic_energy_J_per_m", "dt_s", "step"});
     std::vector<double> forces;
     const auto row = [&](double unbalanced) {
-      const Clock& clock = loop.clock();
+      const run::Clock& clock = loop.clock();
       forces = plane->take_forces();
       double sum = 0.0;
       for (double force : forces) sum += force;
@@ -334,7 +334,7 @@ class Hertz : public Scene {
     summary.set("error_contact_pressure_particles", peak / exact_peak() - 1.0);
   }
 
-  RunOptions m_run;
+  run::RunOptions m_run;
   contact::Detection m_detection = contact::Detection::particle;
   double m_gap_cells = 0.6;
   std::int64_t m_cells = 67;

@@ -136,7 +136,7 @@ class Incline : public Scene {
               .share_done = [&] { return loop.clock().time_in_stage / duration + 1e-12; },
               .after_step =
                   [&] {
-                    const Clock& clock = loop.clock();
+                    const run::Clock& clock = loop.clock();
                     velocity = simulation.momentum()[0] / mass;
                     slid += velocity * clock.dt;
                     if (!m_run.row_is_due(clock.step)) return;
@@ -172,7 +172,7 @@ class Incline : public Scene {
     return setup;
   }
 
-  RunOptions m_run;
+  run::RunOptions m_run;
   Shape m_shape = Shape::block;
   std::optional<contact::Detection> m_detection;
   std::int64_t m_cells = 5;

@@ -54,7 +54,7 @@ class Mms1d : public Scene {
                   [&] {
                     const double error = displacement_error(simulation, loop.clock().time);
                     largest = std::max(largest, error);
-                    const Clock& clock = loop.clock();
+                    const run::Clock& clock = loop.clock();
                     if (m_run.row_is_due(clock.step))
                       history.row({clock.time, error, simulation.kinetic_energy(), clock.dt,
                                    static_cast<double>(clock.step)});
@@ -123,7 +123,7 @@ class Mms1d : public Scene {
            m_amplitude;
   }
 
-  RunOptions m_run;
+  run::RunOptions m_run;
   std::int64_t m_cells = 64;
   double m_amplitude = 0.05;
 };

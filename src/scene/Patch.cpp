@@ -99,7 +99,7 @@ class Patch : public Scene {
     return petsc::maximum(largest) / (m_stress * lines().smallest_width());
   }
 
-  RunOptions m_run;
+  run::RunOptions m_run;
   std::int64_t m_cells = 8;
   double m_stress = 3e4;
   double m_grading = 1.0;

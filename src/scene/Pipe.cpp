@@ -142,7 +142,7 @@ void PipeRun::check_rest() {
 }
 
 void PipeRun::after_push() {
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   contact::RigidBody<2>& pipe = m_contact->body();
   pipe.position[1] += pipe.velocity[1] * clock.dt;
   m_contour.sample(m_simulation.particles().view(), pipe, m_simulation.gravity(),
@@ -159,7 +159,7 @@ void PipeRun::after_push() {
 }
 
 void PipeRun::write_row() {
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   const double reaction = whole(petsc::sum(m_contact->take_impulse()[1])) / m_time_since_row;
   const double contour = whole(m_contour.take_mean()[1]);
   m_time_since_row = 0.0;
@@ -199,7 +199,7 @@ void PipeRun::push() {
               .share_done = [&] { return u_over_D() / m_options.end_displacement + 1e-9; },
               .before_step =
                   [&](double dt) {
-                    const Clock& clock = m_loop.clock();
+                    const run::Clock& clock = m_loop.clock();
                     m_contact->body().velocity[1] = -ramp.at(clock.time_in_stage + 0.5 * dt);
                   },
               .after_step = [&] { after_push(); },

@@ -10,7 +10,7 @@
 #include "mpm/material/SandFactory.hpp"
 #include "mpm/material/SandLaw.hpp"
 #include "mpm/petsc/Session.hpp"
-#include "mpm/scene/InitialStress.hpp"
+#include "mpm/run/InitialStress.hpp"
 #include "mpm/scene/RunLoop.hpp"
 #include "mpm/scene/Scene.hpp"
 
@@ -64,7 +64,7 @@ class PrescribedMotion : public grid::NodalCondition<3> {
 };
 
 struct ReversalOptions {
-  RunOptions run;
+  run::RunOptions run;
   material::SandFactory sand;
   std::int64_t cells = 1;  ///< per side
   std::int64_t cycles = 4;
@@ -196,7 +196,7 @@ ReversalRun::ReversalRun(const ReversalOptions& options, io::Summary& summary)
                 {"time_s", "p_Pa", "q_Pa", "shear_stress_Pa", "void_ratio", "eps_q",
                  "gap_volume_ratio", "dt_s", "step", "stage"}),
       m_particle_volume(initial_particle_volume(options)) {
-  prescribe_pressure(m_simulation, options.pressure);
+  run::prescribe_pressure(m_simulation, options.pressure);
   m_simulation.add_condition(m_motion);
 }
 
@@ -253,7 +253,7 @@ bool ReversalRun::cycle() {
 /// A leg of so much strain and so much rotation about z, at the strain rate of the run.
 bool ReversalRun::move(const std::string& name, const SymmetricTensor& strain, double rotation) {
   const double duration = norm(strain) / m_options.strain_rate;
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   return follow({.name = name,
                  .share_done = [&] { return clock.time_in_stage / duration + 1e-12; },
                  .end_time = duration},
@@ -263,7 +263,7 @@ bool ReversalRun::move(const std::string& name, const SymmetricTensor& strain, d
 /// A leg of the strain rate of the run up to a state.
 bool ReversalRun::move_until(const std::string& name, const SymmetricTensor& direction,
                              const std::function<bool()>& is_over) {
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   const auto share = [&, name] {
     if (clock.steps_in_stage > 0 && is_over()) return 1.0;
     if (clock.time_in_stage * m_options.strain_rate > longest_leg)
@@ -278,7 +278,7 @@ bool ReversalRun::move_until(const std::string& name, const SymmetricTensor& dir
 /// USF strains one step late: what is left over comes here.
 bool ReversalRun::rest() {
   constexpr double steps = 2.0;
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   return follow({.name = "rest",
                  .share_done = [&] { return static_cast<double>(clock.steps_in_stage) / steps; }},
                 {});
@@ -291,7 +291,7 @@ bool ReversalRun::follow(Stage stage, const MotionRate& rate) {
 }
 
 void ReversalRun::after_step() {
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   m_strain = clock.dt * m_motion->next.D;
   if (m_options.run.scheme == solver::Scheme::usf) std::swap(m_strain, m_strain_to_come);
   std::unordered_map<std::int64_t, Before> now;
@@ -382,7 +382,7 @@ double ReversalRun::mean_gap() const {
 
 void ReversalRun::write_row() {
   const Mean now = mean();
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   m_history.row({clock.time, now.p, now.q, now.shear_stress, now.void_ratio, now.eps_q, now.gap,
                  clock.dt, static_cast<double>(clock.step), static_cast<double>(clock.stage)});
 }

@@ -186,7 +186,7 @@ class Rotation : public Scene {
               .share_done = [&] { return loop.clock().time_in_stage / duration() + 1e-12; },
               .after_step =
                   [&] {
-                    const Clock& clock = loop.clock();
+                    const run::Clock& clock = loop.clock();
                     if (strain_rate == 0.0)
                       strain_rate = largest_strain(simulation, law) / clock.dt;
                     const Spin before = std::exchange(now, measure(simulation));
@@ -219,7 +219,7 @@ class Rotation : public Scene {
     summary.set("error_angle_rad", petsc::maximum(angle_error));
   }
 
-  RunOptions m_run;
+  run::RunOptions m_run;
   Turn m_turn = Turn::prescribed;
   std::int64_t m_cells = 8;
   std::int64_t m_steps = 1000;

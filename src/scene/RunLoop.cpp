@@ -21,7 +21,7 @@ double peak_memory_bytes() {
 }  // namespace
 
 template <int dim>
-RunLoop<dim>::RunLoop(const RunOptions& options, solver::Simulation<dim>& simulation)
+RunLoop<dim>::RunLoop(const run::RunOptions& options, solver::Simulation<dim>& simulation)
     : m_options(options),
       m_simulation(simulation),
       m_output(options.output_dir),

@@ -7,7 +7,7 @@
 #include "mpm/core/Errors.hpp"
 #include "mpm/material/LinearElastic.hpp"
 #include "mpm/petsc/Session.hpp"
-#include "mpm/scene/RunOptions.hpp"
+#include "mpm/run/RunOptions.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "mpm/solver/OneStepMatrix.hpp"
 
@@ -176,7 +176,7 @@ class Stability : public Scene {
     return setup;
   }
 
-  RunOptions m_run;
+  run::RunOptions m_run;
   std::int64_t m_dimension = 1;
   std::int64_t m_cells = 6;
   double m_stride = 0.05;

@@ -100,7 +100,7 @@ class Traction : public Scene {
     summary.set("error_stress_peak", petsc::maximum(peak));
   }
 
-  RunOptions m_run;
+  run::RunOptions m_run;
   std::int64_t m_cells = 20;
   double m_length = 25.0;
   double m_traction = 3e3;

@@ -7,7 +7,7 @@
 #include "mpm/material/ElementTest.hpp"
 #include "mpm/material/SandFactory.hpp"
 #include "mpm/petsc/Session.hpp"
-#include "mpm/scene/InitialStress.hpp"
+#include "mpm/run/InitialStress.hpp"
 #include "mpm/scene/Ramp.hpp"
 #include "mpm/scene/RunLoop.hpp"
 #include "mpm/scene/Scene.hpp"
@@ -76,7 +76,7 @@ CubeState observe(const solver::Simulation<3>& simulation, particles::StateHandl
 
 /// Options of the triaxial scene. The cube stands at the origin, y is its axis.
 struct TriaxialOptions {
-  RunOptions run;
+  run::RunOptions run;
   material::SandFactory sand;
   std::int64_t cells = 1;   ///< per side
   double pressure = 150e3;  ///< Pa
@@ -189,7 +189,7 @@ TriaxialRun::TriaxialRun(const TriaxialOptions& options, io::Summary& summary)
       m_history(options.run.output_dir + "/history.csv",
                 {"axial_strain", "q_Pa", "p_Pa", "volumetric_strain", "void_ratio",
                  "axial_stress_platen_Pa", "stress_spread", "kinetic_energy_J", "dt_s", "step"}) {
-  prescribe_pressure(m_simulation, options.pressure);
+  run::prescribe_pressure(m_simulation, options.pressure);
   m_simulation.boundary().add(options.sides());
   m_simulation.add_condition(m_platen);
   m_initial_volume = observe_cube().volume;
@@ -202,7 +202,7 @@ void TriaxialRun::run() {
               .share_done = [&] { return strain() / m_options.strain_end + 1e-9; },
               .before_step =
                   [&](double dt) {
-                    const Clock& clock = m_loop.clock();
+                    const run::Clock& clock = m_loop.clock();
                     m_platen->velocity = m_options.ramp().at(clock.time_in_stage + 0.5 * dt);
                   },
               .after_step = [&] { after_step(); },
@@ -215,7 +215,7 @@ void TriaxialRun::run() {
 }
 
 void TriaxialRun::after_step() {
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   m_platen->height -= m_platen->velocity * clock.dt;
   m_time_since_row += clock.momentum_dt;
   if (strain() >= row_spacing * static_cast<double>(m_rows.size())) write_row();
@@ -231,7 +231,7 @@ double TriaxialRun::axial_stress_since_row(const CubeState& cube) {
 
 void TriaxialRun::write_row() {
   const CubeState cube = observe_cube();
-  const Clock& clock = m_loop.clock();
+  const run::Clock& clock = m_loop.clock();
   const double axial_stress = axial_stress_since_row(cube);
   const double volumetric = -std::log(cube.volume / m_initial_volume);
   const double before = m_rows.empty() ? 0.0 : m_rows.back().strain;

@@ -111,7 +111,7 @@ class Vortex : public Scene {
               .share_done = [&] { return loop.clock().time_in_stage / end + 1e-12; },
               .after_step =
                   [&] {
-                    const Clock& clock = loop.clock();
+                    const run::Clock& clock = loop.clock();
                     const double error = displacement_error(simulation, clock.time);
                     judge(error, clock.time);
                     if (m_run.row_is_due(clock.step))
@@ -143,7 +143,7 @@ class Vortex : public Scene {
     return NumericalFailure(failure.what(), details.dump());
   }
 
-  RunOptions m_run;
+  run::RunOptions m_run;
   std::int64_t m_cells = 32;
   double m_amplitude = 0.2;
   double m_failure_share = 0.1;

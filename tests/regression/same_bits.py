@@ -9,6 +9,7 @@ no difference. Needs h5py, as the tools do.
 """
 
 import concurrent.futures
+import csv
 import hashlib
 import json
 import os
@@ -165,13 +166,23 @@ def keep(command, base, runs, workers):
     return 1 if failed else 0
 
 
+def columns(path):
+    rows = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
+    return {name: [row[k] for row in rows[1:]] for k, name in enumerate(rows[0])}
+
+
 def first_difference(kept, now):
-    """The first line in which two tables differ."""
-    lines = (path.read_text(encoding="utf-8").splitlines() for path in (kept, now))
-    for number, (before, after) in enumerate(zip(*lines), start=1):
-        if before != after:
-            return f"line {number}: '{before}', now '{after}'"
-    return "another number of lines"
+    """The first difference between two tables, or nothing; further columns are none."""
+    before, after = columns(kept), columns(now)
+    for name, values in before.items():
+        if name not in after:
+            return f"no column {name}"
+        if len(values) != len(after[name]):
+            return f"{len(values)} rows, now {len(after[name])}"
+        for number, (one, other) in enumerate(zip(values, after[name]), start=1):
+            if one != other:
+                return f"row {number} of {name}: {one}, now {other}"
+    return None
 
 
 def differences(kept, now, kept_directory, directory):
@@ -180,7 +191,9 @@ def differences(kept, now, kept_directory, directory):
         if after == before:
             continue
         if thing.endswith(".csv") and (directory / thing).exists():
-            yield f"{thing}: {first_difference(kept_directory / thing, directory / thing)}"
+            found = first_difference(kept_directory / thing, directory / thing)
+            if found:
+                yield f"{thing}: {found}"
         else:
             yield f"{thing}: {before}, now {after}"
 

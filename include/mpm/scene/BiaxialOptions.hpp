@@ -4,15 +4,15 @@
 #include <vector>
 
 #include "mpm/material/SandFactory.hpp"
+#include "mpm/run/RunOptions.hpp"
 #include "mpm/scene/Ramp.hpp"
-#include "mpm/scene/RunOptions.hpp"
 #include "mpm/solver/Simulation.hpp"
 
 namespace mpm::scene {
 
 /// Options of the biaxial scene. The specimen stands on y = 0, its axis is x = 0.
 struct BiaxialOptions {
-  RunOptions run;
+  run::RunOptions run;
   material::SandFactory sand;
 
   double width = 1.0;   ///< m

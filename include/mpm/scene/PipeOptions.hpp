@@ -7,7 +7,7 @@
 #include "mpm/contact/RigidContact.hpp"
 #include "mpm/material/SandFactory.hpp"
 #include "mpm/particles/Seeding.hpp"
-#include "mpm/scene/RunOptions.hpp"
+#include "mpm/run/RunOptions.hpp"
 #include "mpm/solver/Simulation.hpp"
 
 namespace mpm::scene {
@@ -18,7 +18,7 @@ enum class Geostatic { prescribed };
 /// Options of the pipe scene and what follows from them. The surface is at y = 0, the pipe's axis
 /// at x = 0, y = -H.
 struct PipeOptions {
-  RunOptions run;
+  run::RunOptions run;
   material::SandFactory sand;
 
   double diameter = 0.0375;       ///< m

@@ -8,9 +8,9 @@
 
 #include "mpm/io/FieldOutput.hpp"
 #include "mpm/io/Summary.hpp"
-#include "mpm/scene/Clock.hpp"
-#include "mpm/scene/Progress.hpp"
-#include "mpm/scene/RunOptions.hpp"
+#include "mpm/run/Clock.hpp"
+#include "mpm/run/Progress.hpp"
+#include "mpm/run/RunOptions.hpp"
 #include "mpm/solver/Simulation.hpp"
 
 namespace mpm::scene {
@@ -37,9 +37,9 @@ template <int dim>
 class RunLoop {
  public:
   /// Collective.
-  RunLoop(const RunOptions& options, solver::Simulation<dim>& simulation);
+  RunLoop(const run::RunOptions& options, solver::Simulation<dim>& simulation);
 
-  const Clock& clock() const { return m_clock; }
+  const run::Clock& clock() const { return m_clock; }
 
   /// From here on time counts from zero, and displacements and strains do. Local.
   void begin_anew() {
@@ -66,11 +66,11 @@ class RunLoop {
   double longest_step(const Stage& stage) const;
   void write_due_fields();
 
-  const RunOptions& m_options;
+  const run::RunOptions& m_options;
   solver::Simulation<dim>& m_simulation;
   io::FieldOutput<dim> m_output;
-  Progress m_progress;
-  Clock m_clock;
+  run::Progress m_progress;
+  run::Clock m_clock;
   long long m_last_written = -1;  ///< step
   std::function<std::vector<std::pair<std::string, double>>()> m_output_numbers;
   std::vector<double> m_times_left;

@@ -18,6 +18,8 @@ class Scene {
   virtual void declare(options::OptionSet& options) = 0;
   /// Where results go, known once the options are read.
   virtual const std::string& output_directory() const = 0;
+  /// Takes the whole input; writes nothing. Throws BadInput where it cannot be run. Collective.
+  virtual void prepare() {}
   /// Runs to the end and puts the answers into the summary. Collective.
   virtual void run(io::Summary& summary) = 0;
   /// The answer in one line, after run().

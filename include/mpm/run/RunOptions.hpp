@@ -9,7 +9,7 @@
 #include "mpm/options/OptionSet.hpp"
 #include "mpm/solver/Simulation.hpp"
 
-namespace mpm::scene {
+namespace mpm::run {
 
 enum class ProgressDisplay { automatic, on, off };
 
@@ -58,6 +58,7 @@ struct RunOptions {
     setup.transfer = transfer;
     setup.balance = balance;
     if (flip_time) setup.flip_time = *flip_time;
+    setup.filling.per_direction = [n = setup.particles_per_cell](const Vector<dim>&) { return n; };
   }
 
  private:
@@ -67,4 +68,4 @@ struct RunOptions {
   void declare_outputs(options::OptionSet& options);
 };
 
-}  // namespace mpm::scene
+}  // namespace mpm::run

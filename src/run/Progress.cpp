@@ -1,4 +1,4 @@
-#include "mpm/scene/Progress.hpp"
+#include "mpm/run/Progress.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -10,7 +10,7 @@
 
 #include "mpm/petsc/Session.hpp"
 
-namespace mpm::scene {
+namespace mpm::run {
 namespace {
 
 std::string duration(double seconds) {
@@ -82,4 +82,4 @@ void Progress::end(long long step) {
   print_line(line, "\n");
 }
 
-}  // namespace mpm::scene
+}  // namespace mpm::run

@@ -1,4 +1,4 @@
-#include "mpm/scene/InitialStress.hpp"
+#include "mpm/run/InitialStress.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include "mpm/core/Errors.hpp"
 #include "mpm/petsc/Session.hpp"
 
-namespace mpm::scene {
+namespace mpm::run {
 namespace {
 
 /// What a law says against the stresses of its particles; empty if nothing.
@@ -50,4 +50,4 @@ template void prescribe_stress<2>(solver::Simulation<2>&,
 template void prescribe_stress<3>(solver::Simulation<3>&,
                                   const std::function<SymmetricTensor(const Vector<3>&)>&);
 
-}  // namespace mpm::scene
+}  // namespace mpm::run

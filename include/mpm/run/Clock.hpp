@@ -1,8 +1,9 @@
 #pragma once
 
+#include "mpm/core/Archive.hpp"
 #include "mpm/solver/StepTimes.hpp"
 
-namespace mpm::scene {
+namespace mpm::run {
 
 /// What time it is in a run. The run alone writes it; everyone else reads.
 struct Clock {
@@ -35,6 +36,19 @@ struct Clock {
     counted_time += dt;
     ++counted_steps;
   }
+
+  void persist(Archive& archive) {
+    archive("step", step);
+    archive("time", time);
+    archive("stage", stage);
+    archive("steps_in_stage", steps_in_stage);
+    archive("time_in_stage", time_in_stage);
+    archive("counted_steps", counted_steps);
+    archive("counted_time", counted_time);
+    archive("is_counting", is_counting);
+    archive("dt", dt);
+    archive("momentum_dt", momentum_dt);
+  }
 };
 
-}  // namespace mpm::scene
+}  // namespace mpm::run

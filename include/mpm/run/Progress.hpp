@@ -3,9 +3,9 @@
 #include <chrono>
 #include <string>
 
-#include "mpm/scene/RunOptions.hpp"
+#include "mpm/run/RunOptions.hpp"
 
-namespace mpm::scene {
+namespace mpm::run {
 
 /// The progress line of a stage: share done, status, steps per second, time left. Renews itself
 /// on a terminal; in a log a plain line each tenth of the stage. Rank 0 prints.
@@ -30,4 +30,4 @@ class Progress {
   Clock::time_point m_begin, m_last;
 };
 
-}  // namespace mpm::scene
+}  // namespace mpm::run

@@ -1,4 +1,4 @@
-#include "mpm/scene/RunOptions.hpp"
+#include "mpm/run/RunOptions.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "mpm/solver/StableCourant.hpp"
 
-namespace mpm::scene {
+namespace mpm::run {
 
 namespace {
 
@@ -114,8 +114,9 @@ void RunOptions::declare_outputs(options::OptionSet& options) {
   options.integer(
       "history_every", history_every, {0, 1'000'000'000},
       {"steps", "steps between rows of history.csv; 0 leaves it to the scene", "chosen"});
-  options.optional_real("end_time", end_time, options::positive(), "the scene's own end",
-                        {"s", "the run ends here at the latest, on the clock of the main stage", "chosen"});
+  options.optional_real(
+      "end_time", end_time, options::positive(), "the scene's own end",
+      {"s", "the run ends here at the latest, on the clock of the main stage", "chosen"});
   options.integer(
       "max_steps", max_steps, {0, 1'000'000'000'000},
       {"steps", "the run ends after so many steps at the latest; 0 is no limit", "chosen"});
@@ -133,4 +134,4 @@ void RunOptions::declare_outputs(options::OptionSet& options) {
        "chosen"});
 }
 
-}  // namespace mpm::scene
+}  // namespace mpm::run

@@ -4,7 +4,7 @@
 
 #include "mpm/solver/Simulation.hpp"
 
-namespace mpm::scene {
+namespace mpm::run {
 
 /// Gives every particle the stress at its position, tension positive in Pa, and its law the state
 /// that belongs to it. Throws BadInput on all ranks, with the law's own words where this rank has
@@ -21,4 +21,4 @@ void prescribe_pressure(solver::Simulation<dim>& simulation, double pressure) {
   });
 }
 
-}  // namespace mpm::scene
+}  // namespace mpm::run

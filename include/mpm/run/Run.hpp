@@ -1,0 +1,69 @@
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "mpm/io/FieldOutput.hpp"
+#include "mpm/io/Summary.hpp"
+#include "mpm/run/Problem.hpp"
+#include "mpm/run/Progress.hpp"
+#include "mpm/run/RunOptions.hpp"
+
+namespace mpm::run {
+
+/// Takes a problem through its stages: owns simulation, clock, observers, outputs and progress.
+template <int dim>
+class Run {
+ public:
+  /// Makes the simulation and brings it to its initial state; writes nothing. Throws BadInput where
+  /// the problem cannot be run. Collective.
+  Run(const RunOptions& options, Problem<dim> problem);
+
+  /// All stages, up to the last one or the limits of the options. Collective.
+  void go();
+
+  /// Ranks, cells, particles, steps, speed and memory; mass and momentum at the end. Collective.
+  void summarise(io::Summary& summary) const;
+
+  const solver::Simulation<dim>& simulation() const { return m_simulation; }
+  solver::Simulation<dim>& simulation() { return m_simulation; }
+  const Clock& clock() const { return m_clock; }
+  Moment<dim> moment() { return {m_simulation, m_clock}; }
+
+  /// Saves or puts back clock, stages and observers.
+  void persist(Archive& archive);
+
+ private:
+  using Stages = std::vector<Stage<dim>>;
+
+  void check_counted_stage() const;
+  bool counts(const Stage<dim>& stage) const;
+  void begin(const Stage<dim>& stage);
+  bool follow(const Stage<dim>& stage);
+  void take_step(const Stage<dim>& stage);
+  double longest_step(const Stage<dim>& stage) const;
+  bool is_over() const;
+  void write_due_fields();
+  void write_fields();
+  std::string status(const Stage<dim>& stage) const;
+  void load_surface();
+
+  const RunOptions& m_options;
+  Problem<dim> m_problem;
+  solver::Simulation<dim> m_simulation;
+  Clock m_clock;
+  io::FieldOutput<dim> m_output;
+  bool m_has_main_begun = false;
+  long long m_last_written = -1;  ///< step
+  Progress m_progress;
+  std::vector<double> m_times_left;
+  double m_seconds_in_steps = 0.0;
+  double m_initial_mass;
+};
+
+extern template class Run<1>;
+extern template class Run<2>;
+extern template class Run<3>;
+
+}  // namespace mpm::run

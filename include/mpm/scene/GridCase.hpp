@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "mpm/core/Errors.hpp"
+#include "mpm/run/Run.hpp"
+#include "mpm/scene/Scene.hpp"
+
+namespace mpm::scene {
+
+/// A case that is one run of a problem on a grid: what it builds, and what it makes of the run.
+template <int dim>
+class GridCase : public Scene {
+ public:
+  const std::string& output_directory() const final { return m_options.output_dir; }
+  void prepare() final { m_run.emplace(m_options, problem()); }
+
+  void run(io::Summary& summary) final {
+    try {
+      m_run->go();
+    } catch (const NumericalFailure& failure) {
+      throw explained(failure);
+    }
+    m_run->summarise(summary);
+    evaluate(*m_run, summary);
+  }
+
+ protected:
+  /// What is to be computed, from the options. Throws BadInput where they make no sense together.
+  /// Collective.
+  virtual run::Problem<dim> problem() = 0;
+  /// Puts the answers of a finished run into the summary. Collective.
+  virtual void evaluate(run::Run<dim>& run, io::Summary& summary) = 0;
+  /// A failure of the run with what the case knows about it.
+  virtual NumericalFailure explained(const NumericalFailure& failure) const { return failure; }
+
+  std::string path(const char* file) const { return m_options.output_dir + "/" + file; }
+
+  run::RunOptions m_options;
+
+ private:
+  std::optional<run::Run<dim>> m_run;
+};
+
+}  // namespace mpm::scene

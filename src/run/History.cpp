@@ -1,0 +1,56 @@
+#include "mpm/run/History.hpp"
+
+namespace mpm::run {
+
+template <int dim>
+void History<dim>::open() {
+  if (m_file) return;
+  std::vector<std::string> columns = m_table.columns;
+  columns.insert(columns.end(), {"dt_s", "step"});
+  m_file = std::make_unique<io::CsvFile>(m_table.path, columns);
+}
+
+template <int dim>
+void History<dim>::begin_stage(const Moment<dim>& moment) {
+  const bool is_first = !m_file;
+  open();
+  if (is_first && m_table.has_first_row) write_row(moment);
+}
+
+template <int dim>
+void History<dim>::after_step(const Moment<dim>& moment) {
+  if (m_table.cadence.is_due(moment)) write_row(moment);
+}
+
+template <int dim>
+void History<dim>::end(const Moment<dim>& moment) {
+  open();
+  if (m_table.has_last_row) write_row(moment);
+}
+
+template <int dim>
+void History<dim>::write_row(const Moment<dim>& moment) {
+  std::vector<double> row = m_table.row(moment);
+  m_rows.push_back(row);
+  row.insert(row.end(), {moment.clock.dt, static_cast<double>(moment.clock.step)});
+  m_file->row(row);
+}
+
+template <int dim>
+void History<dim>::persist(Archive& archive) {
+  m_table.cadence.persist(archive);
+  std::vector<double> values;
+  for (const auto& row : m_rows) values.insert(values.end(), row.begin(), row.end());
+  archive("rows", values);
+  if (!archive.gives()) return;
+  m_rows.clear();
+  const auto width = static_cast<std::ptrdiff_t>(m_table.columns.size());
+  for (auto row = values.begin(); row != values.end(); row += width)
+    m_rows.emplace_back(row, row + width);
+}
+
+template class History<1>;
+template class History<2>;
+template class History<3>;
+
+}  // namespace mpm::run
