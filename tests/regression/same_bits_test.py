@@ -55,10 +55,10 @@ class SameBits(unittest.TestCase):
     def test_times_and_what_is_written_besides_are_no_difference(self):
         self.assertEqual(self.compare(seconds="8.0", more="True")[0], 0)
 
-    def test_a_table_is_reported_with_the_line(self):
+    def test_a_table_is_reported_with_row_and_column(self):
         code, text = self.compare(row="2.6")
         self.assertEqual(code, 1)
-        self.assertIn("FAIL one: history.csv: line 3: '1,2.5', now '1,2.6'", text)
+        self.assertIn("FAIL one: history.csv: row 2 of N_d: 2.5, now 2.6", text)
 
     def test_an_answer_is_reported_with_both_values(self):
         code, text = self.compare(answer="4.1")
