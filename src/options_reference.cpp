@@ -75,7 +75,7 @@ std::string table_of_sands() {
 /// Prints docs/options.md from the declarations in the code.
 int main() {
   fmt::print(
-      "<!-- Written by tools/options_reference from the declarations in the code; do not edit. "
+      "<!-- Written by tools/reference from the declarations in the code; do not edit. "
       "-->\n"
       "# Options\n\n"
       "    mpmsolve -scene NAME [-options_file FILE] [-option value ...]\n\n"

@@ -1,8 +1,10 @@
 #include "mpm/io/Summary.hpp"
 
 #include <cstdlib>
+#include <stdexcept>
 
 #include "mpm/io/TextFile.hpp"
+#include "mpm/io/Vocabulary.hpp"
 
 namespace mpm::io {
 
@@ -16,6 +18,12 @@ void Summary::add_options(const options::OptionSet& options) {
     else
       m_values["option_" + name] = value;
   }
+}
+
+const std::string& Summary::declared(const std::string& key) {
+  if (find_answer(key) == nullptr)
+    throw std::logic_error("the answer '" + key + "' is not declared in src/io/Vocabulary.cpp");
+  return key;
 }
 
 std::string Summary::text(const std::string& key) const {

@@ -43,7 +43,7 @@ def table_row(job, job_dir, options):
     for name, key in STRAINS.items():
         row[name] = f"{summary[key] / 1e3:.5g}"
     row["strain_at_peak"] = f"{summary['strain_at_peak']:.4g}"
-    row["reaction_difference_rms"] = f"{summary['reaction_difference_rms']:.3g}"
+    row["stress_difference_rms"] = f"{summary['stress_difference_rms']:.3g}"
     return row | rows.cost(summary) | rows.provenance(options, summary)
 
 
