@@ -25,19 +25,6 @@ double dot(const Vector<dim>& a, const Vector<dim>& b) {
   return sum;
 }
 
-/// Change of the deformable body's velocity where it closes in on the rigid one with `relative`.
-template <int dim>
-Vector<dim> velocity_change(const Vector<dim>& relative, const Vector<dim>& normal,
-                            double friction) {
-  const double closing = -dot<dim>(relative, normal);
-  Vector<dim> sliding, change;
-  for (int d = 0; d < dim; ++d) sliding[d] = relative[d] + closing * normal[d];
-  const double speed = std::sqrt(dot<dim>(sliding, sliding));
-  const double share = speed > friction * closing ? friction * closing / speed : 1.0;
-  for (int d = 0; d < dim; ++d) change[d] = closing * normal[d] - share * sliding[d];
-  return change;
-}
-
 template <int dim>
 double cell_volume(const grid::Grid<dim>& grid, const std::array<int, dim>& node) {
   double volume = 1.0;
@@ -58,13 +45,14 @@ double largest_cell_width(const grid::Grid<dim>& grid) {
 
 template <int dim>
 RigidContact<dim>::RigidContact(const grid::Grid<dim>& grid, const grid::Walls<dim>& walls,
-                                const transfer::PointDeposit<dim>& deposit, RigidBody<dim> body,
-                                const ContactOptions& options)
+                                const transfer::PointDeposit<dim>& deposit,
+                                std::shared_ptr<RigidBody<dim>> body, const ContactOptions& options)
     : m_grid(grid),
       m_walls(walls),
       m_deposit(deposit),
       m_body(std::move(body)),
       m_options(options),
+      m_friction(make_friction<dim>(options.friction_law, {.coefficient = options.friction})),
       m_rigid_mass(grid, scalar_and_gradient<dim>()),
       m_reach(options.gap_cells * largest_cell_width(grid)) {}
 
@@ -75,8 +63,7 @@ void RigidContact<dim>::discretise(std::vector<Vector<dim>> points, double volum
 }
 
 template <int dim>
-void RigidContact<dim>::begin_step() {
-  m_acted.clear();
+void RigidContact<dim>::find_nodes() {
   if (m_options.detection == Detection::velocity || m_options.normal == Normal::gradient)
     deposit_rigid_mass();
   if (m_options.detection == Detection::particle) deposit_votes();
@@ -87,7 +74,7 @@ template <int dim>
 void RigidContact<dim>::deposit_rigid_mass() {
   std::vector<Vector<dim>> points = m_points;
   for (Vector<dim>& x : points)
-    for (int d = 0; d < dim; ++d) x[d] += m_body.position[d];
+    for (int d = 0; d < dim; ++d) x[d] += m_body->position[d];
   m_rigid_mass.set_to_zero();
   m_deposit.deposit(points, m_point_volume, m_grid.owned_cells(), m_rigid_mass);
   m_rigid_mass.sum_to_owners();
@@ -97,7 +84,7 @@ void RigidContact<dim>::deposit_rigid_mass() {
 /// Particles whose own extent meets the surface touch it; those that miss it by up to half their
 /// extent lie beside it all the same.
 template <int dim>
-void RigidContact<dim>::prepare_step() {
+void RigidContact<dim>::look_at_particles() {
   if (m_options.detection != Detection::particle) return;
   if (!m_particles) throw std::logic_error("contact by particles without watch()");
   m_touching.clear();
@@ -105,7 +92,7 @@ void RigidContact<dim>::prepare_step() {
   const auto view = m_particles->view();
   for (int p = 0; p < view.count; ++p) {
     const Vector<dim> x = view.position_of(p);
-    const double extents = m_body.locate(x).distance / std::pow(view.volume[p], 1.0 / dim);
+    const double extents = m_body->locate(x).distance / std::pow(view.volume[p], 1.0 / dim);
     if (extents <= 1.0) (extents <= 0.5 ? m_touching : m_missing).push_back(x);
   }
 }
@@ -148,7 +135,7 @@ void RigidContact<dim>::find_near_nodes(const grid::Run<dim>& run) {
   for (int k = 0; k < run.count;) {
     std::array<int, dim> node = run.node;
     node[0] += k;
-    const Proximity<dim> proximity = m_body.locate(m_grid.position(node));
+    const Proximity<dim> proximity = m_body->locate(m_grid.position(node));
     if (is_near(node, proximity.distance)) add_touching(run.first + k, node, proximity.normal);
     const double next = x[k++] + (1.0 - round_off) * (proximity.distance - m_reach);
     while (k < run.count && x[k] < next) ++k;
@@ -163,7 +150,7 @@ void RigidContact<dim>::find_nodes_with_rigid_mass(const grid::Run<dim>& run) {
     std::array<int, dim> node = run.node;
     node[0] += k;
     if (rigid_mass[k] >= smallest_mass_share * cell_volume<dim>(m_grid, node))
-      add_touching(run.first + k, node, m_body.locate(m_grid.position(node)).normal);
+      add_touching(run.first + k, node, m_body->locate(m_grid.position(node)).normal);
   }
 }
 
@@ -174,7 +161,8 @@ void RigidContact<dim>::add_touching(int local, const std::array<int, dim>& node
   const auto normal = normal_at(local, surface_normal);
   if (!normal) return;
   const double full_cell = m_options.reference_density * cell_volume<dim>(m_grid, node);
-  m_touching_nodes.push_back({local, smallest_mass_share * full_cell, *normal});
+  m_touching_nodes.push_back({local, smallest_mass_share * full_cell, *normal,
+                              m_body->from_reference(m_grid.position(node))});
 }
 
 template <int dim>
@@ -190,33 +178,23 @@ std::optional<Vector<dim>> RigidContact<dim>::normal_at(int local,
 }
 
 template <int dim>
-void RigidContact<dim>::correct(const grid::Grid<dim>&, const grid::NodalMotion<dim>& motion) {
+void RigidContact<dim>::constrain(const grid::Grid<dim>&, grid::ConstrainedNodes<dim>& nodes) {
   for (const TouchingNode& node : m_touching_nodes) {
-    const double m_I = motion.mass[node.local];
-    if (m_I != 0.0 && m_I >= node.smallest_mass) correct(node.local, node.normal, motion);
+    const double m_I = nodes.mass(node.local);
+    if (m_I != 0.0 && m_I >= node.smallest_mass) constrain(node, nodes);
   }
 }
 
 template <int dim>
-void RigidContact<dim>::correct(int local, const Vector<dim>& normal,
-                                const grid::NodalMotion<dim>& motion) {
-  const double m_I = motion.mass[local];
+void RigidContact<dim>::constrain(const TouchingNode& node, grid::ConstrainedNodes<dim>& nodes) {
+  const double m_I = nodes.mass(node.local);
+  const Vector<dim> v = m_body->velocity_at(node.lever);
   Vector<dim> relative;
-  for (int d = 0; d < dim; ++d) relative[d] = motion.momentum[d][local] / m_I - m_body.velocity[d];
-  if (dot<dim>(relative, normal) >= 0.0) return;
-  const Vector<dim> change = velocity_change<dim>(relative, normal, m_options.friction);
-  for (int d = 0; d < dim; ++d) motion.momentum[d][local] += m_I * change[d];
-  if (!motion.is_first_mapping()) return;
-  m_acted.push_back(local);
-  for (int d = 0; d < dim; ++d) {
-    motion.force[d][local] += m_I * change[d] / motion.dt;
-    m_impulse[d] -= m_I * change[d];
-  }
-}
-
-template <int dim>
-Vector<dim> RigidContact<dim>::take_impulse() {
-  return std::exchange(m_impulse, Vector<dim>{});
+  for (int d = 0; d < dim; ++d) relative[d] = nodes.momentum(node.local, d) / m_I - v[d];
+  if (dot<dim>(relative, node.normal) >= 0.0) return;
+  nodes.change_velocity(node.local, m_friction->velocity_change(relative, node.normal));
+  if (nodes.is_momentum_update())
+    m_body->meter().add_moment(node.lever, booking().changes.back().momentum);
 }
 
 template class RigidContact<1>;

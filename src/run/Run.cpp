@@ -45,7 +45,7 @@ Run<dim>::Run(const RunOptions& options, Problem<dim> problem)
   }
   m_initial_mass = m_simulation.total_mass();
   if (!m_problem.loaded_surface.empty()) m_simulation.boundary().add(m_problem.loaded_surface);
-  for (const auto& make : m_problem.conditions) m_simulation.add_condition(make(m_simulation));
+  for (const auto& make : m_problem.constraints) m_simulation.add_constraint(make(m_simulation));
   if (m_problem.initial_stress) prescribe_stress<dim>(m_simulation, m_problem.initial_stress);
   if (m_problem.body_force) m_simulation.set_body_force(m_problem.body_force);
 }
@@ -113,7 +113,10 @@ void Run<dim>::take_step(const Stage<dim>& stage) {
   const double begin = MPI_Wtime();
   const double dt = m_simulation.plan(longest_step(stage));
   load_surface();
+  for (const auto& body : m_problem.bodies)
+    stage.holds_bodies ? body->stand_still() : body->begin_step(m_clock.time_in_stage, dt);
   m_clock.advance(m_simulation.advance(m_clock.time, dt));
+  for (const auto& body : m_problem.bodies) body->end_step(m_clock.dt, m_clock.momentum_dt);
   m_seconds_in_steps += MPI_Wtime() - begin;
   stage.ending->after_step(moment());
   if (m_has_main_begun)
@@ -186,6 +189,8 @@ std::string Run<dim>::status(const Stage<dim>& stage) const {
 template <int dim>
 void Run<dim>::persist(Archive& archive) {
   archive.group("clock", [&] { m_clock.persist(archive); });
+  for (std::size_t k = 0; k < m_problem.bodies.size(); ++k)
+    archive.group(fmt::format("body{}", k), [&] { m_problem.bodies[k]->persist(archive); });
   archive("has_main_begun", m_has_main_begun);
   archive("last_written", m_last_written);
   archive("output_times_left", m_times_left);

@@ -90,8 +90,7 @@ void print_summary(const Root& root, const Scene& scene, const io::Summary& summ
              fmt::format("  {:<24} {}\n", "results in", scene.output_directory()));
 }
 
-ExitCode run_scene(const options::CommandLine& line, const Root& root,
-                   Clock::time_point begin) {
+ExitCode run_scene(const options::CommandLine& line, const Root& root, Clock::time_point begin) {
   const auto name = line.value_of("scene");
   if (!name) throw BadInput(fmt::format("-scene is missing: name one of\n{}", list_of_scenes()));
   const SceneKind& kind = find_scene(*name);

@@ -57,8 +57,9 @@ class BiaxialRun {
 std::shared_ptr<contact::RigidContact<2>> make_plate(const BiaxialOptions& options,
                                                      const solver::Simulation<2>& simulation,
                                                      double density) {
-  const contact::RigidBody<2> plate{std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, -1.0}),
-                                    {0.0, options.height}};
+  const auto plate = std::make_shared<contact::RigidBody<2>>(
+      std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, -1.0}),
+      Vector<2>{0.0, options.height});
   return contact_of(
       simulation, plate,
       {.gap_cells = options.gap_cells, .friction = options.friction, .reference_density = density});
@@ -80,7 +81,7 @@ BiaxialRun::BiaxialRun(const BiaxialOptions& options, io::Summary& summary)
                  "point1_volumetric_strain", "point1_void_ratio", "point1_eps_q", "point2_q_Pa",
                  "point2_p_Pa", "point2_volumetric_strain", "point2_void_ratio", "point2_eps_q",
                  "kinetic_energy_J_per_m", "dt_s", "step"}) {
-  m_simulation.add_condition(m_plate);
+  m_simulation.add_constraint(m_plate);
   m_simulation.boundary().add(options.sides());
   m_loop.set_output_numbers([this] { return output_numbers(); });
 }
@@ -107,7 +108,7 @@ bool BiaxialRun::consolidate() {
 
 void BiaxialRun::compress() {
   m_loop.begin_anew();
-  m_plate->take_impulse();
+  m_plate->body().meter().take_impulse();
   m_loop.write_fields(output_numbers());
   m_loop.run({.name = "compression",
               .share_done = [&] { return axial_strain() / m_options.strain_end + 1e-9; },
@@ -146,7 +147,7 @@ void BiaxialRun::after_step() {
 
 void BiaxialRun::write_row() {
   const run::Clock& clock = m_loop.clock();
-  const double impulse = petsc::sum(m_plate->take_impulse()[1]);
+  const double impulse = petsc::sum(m_plate->body().meter().take_impulse()[1]);
   const double stress = impulse / m_time_since_row / m_options.width;
   const double contour = m_contour.take_mean()[1] / m_options.width;
   m_time_since_row = 0.0;

@@ -153,7 +153,7 @@ CollapseRun::CollapseRun(const CollapseOptions& options, io::Summary& summary)
 
 /// Touching nodes are those at or below the base.
 void CollapseRun::stand() {
-  m_simulation.add_condition(contact_of(
+  m_simulation.add_constraint(contact_of(
       m_simulation, ground(m_options.base_height()),
       {.gap_cells = 0.01, .friction = m_options.friction, .reference_density = m_density}));
 }

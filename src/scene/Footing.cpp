@@ -19,25 +19,23 @@ enum class Base { rough, smooth };
 
 /// A rigid strip footing on the nodes under it: they take its velocity, all of it where the base is
 /// rough, the vertical part where it is smooth.
-class NodalFooting : public grid::NodalCondition<2> {
+class NodalFooting : public grid::Constraint<2> {
  public:
   NodalFooting(Base base, double half_width) : m_base(base), m_half_width(half_width) {}
 
-  void correct(const grid::Grid<2>& grid, const grid::NodalMotion<2>& motion) override {
-    m_held.clear();
+  void constrain(const grid::Grid<2>& grid, grid::ConstrainedNodes<2>& nodes) override {
     grid.for_each_owned_node([&](int I, const auto& node) {
       const Vector<2> x = grid.position(node);
       if (x[0] < 0.0 || x[0] > m_half_width || x[1] < level - round_off) return;
-      m_held.push_back(I);
-      hold(motion, I, 1, velocity);
-      if (m_base == Base::rough) hold(motion, I, 0, 0.0);
+      nodes.set_velocity(I, 1, velocity);
+      if (m_base == Base::rough) nodes.set_velocity(I, 0, 0.0);
     });
   }
 
-  std::span<const int> acted_nodes() const override { return m_held; }
+  bool spares_from_damping() const override { return true; }
 
   /// Upward impulse of the soil on the half footing since the last call, N s/m. Collective.
-  double take_impulse() { return petsc::sum(std::exchange(m_impulse, 0.0)); }
+  double take_impulse() { return petsc::sum(-booking().take_impulse()[1]); }
 
   double level = 0.0;     ///< height of the footing's base, m
   double velocity = 0.0;  ///< upward, m/s
@@ -45,18 +43,8 @@ class NodalFooting : public grid::NodalCondition<2> {
  private:
   static constexpr double round_off = 1e-9;  // m, of a node's position
 
-  void hold(const grid::NodalMotion<2>& motion, int I, int d, double v) {
-    const double change = motion.mass[I] * v - motion.momentum[d][I];
-    motion.momentum[d][I] += change;
-    if (!motion.is_first_mapping()) return;
-    motion.force[d][I] += change / motion.dt;
-    if (d == 1) m_impulse -= change;
-  }
-
   Base m_base;
   double m_half_width;
-  std::vector<int> m_held;
-  double m_impulse = 0.0;
 };
 
 /// A rigid strip footing is pushed slowly into weightless clay, plane strain, half of it by
@@ -99,7 +87,7 @@ class Footing : public Scene {
   void run(io::Summary& summary) override {
     solver::Simulation<2> simulation(setup());
     const auto footing = std::make_shared<NodalFooting>(m_base, half_width());
-    simulation.add_condition(footing);
+    simulation.add_constraint(footing);
     simulation.set_damping(m_damping);
     RunLoop<2> loop(m_run, simulation);
     const std::vector<Row> rows = push(simulation, *footing, loop);

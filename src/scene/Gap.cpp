@@ -45,7 +45,7 @@ class Gap : public Scene {
   void run(io::Summary& summary) override {
     solver::Simulation<2> simulation(setup());
     const auto contact = make_contact(simulation);
-    simulation.add_condition(contact);
+    simulation.add_constraint(contact);
     throw_down(simulation);
     RunLoop<2> loop(m_run, simulation);
     approach(*contact, loop, summary);
@@ -106,7 +106,7 @@ class Gap : public Scene {
          .after_step =
              [&] {
                const run::Clock& clock = loop.clock();
-               force = -petsc::sum(contact.take_impulse()[1]) / clock.momentum_dt;
+               force = -petsc::sum(contact.body().meter().take_impulse()[1]) / clock.momentum_dt;
                if (force != 0.0) summary.set("error_gap_cells", -gap);
                history.row({clock.time, gap, force, clock.dt, static_cast<double>(clock.step)});
                // The contact has looked at the positions before they moved.

@@ -16,25 +16,28 @@ namespace mpm::scene {
 namespace {
 
 /// A rigid plane that remembers how much of its force each column of nodes has taken.
-class RecordedPlane : public grid::NodalCondition<2> {
+class RecordedPlane : public grid::Constraint<2> {
  public:
   RecordedPlane(const grid::Grid<2>& grid, std::shared_ptr<contact::RigidContact<2>> contact)
-      : m_contact(std::move(contact)), m_impulse(grid.nodes(0).positions.size(), 0.0) {}
+      : m_contact(std::move(contact)),
+        m_columns(static_cast<std::size_t>(grid.local_size())),
+        m_impulse(grid.nodes(0).positions.size(), 0.0) {}
 
-  void prepare_step() override { m_contact->prepare_step(); }
-  void begin_step() override { m_contact->begin_step(); }
-  std::span<const int> acted_nodes() const override { return m_contact->acted_nodes(); }
+  void look_at_particles() override { m_contact->look_at_particles(); }
+  void find_nodes() override { m_contact->find_nodes(); }
+  bool spares_from_damping() const override { return true; }
+  grid::Booking<2>& booking() override { return m_contact->booking(); }
 
-  void correct(const grid::Grid<2>& grid, const grid::NodalMotion<2>& motion) override {
-    if (!motion.is_first_mapping()) return m_contact->correct(grid, motion);
-    const double* force = motion.force[1];
-    const std::vector<double> before(force, force + grid.local_size());
-    m_contact->correct(grid, motion);
-    m_time += motion.dt;
+  void constrain(const grid::Grid<2>& grid, grid::ConstrainedNodes<2>& nodes) override {
+    m_contact->constrain(grid, nodes);
+    if (!nodes.is_momentum_update()) return;
+    m_time += nodes.dt();
+    m_columns.assign(static_cast<std::size_t>(grid.local_size()), 0);
     grid.for_each_owned_node([&](int I, const auto& node) {
-      m_impulse[static_cast<std::size_t>(node[0])] +=
-          (force[I] - before[static_cast<std::size_t>(I)]) * motion.dt;
+      m_columns[static_cast<std::size_t>(I)] = static_cast<std::size_t>(node[0]);
     });
+    for (const auto& [I, given] : booking().changes)
+      m_impulse[m_columns[static_cast<std::size_t>(I)]] += given[1];
   }
 
   /// Mean force of each column since the last call, N/m. Collective.
@@ -50,7 +53,8 @@ class RecordedPlane : public grid::NodalCondition<2> {
 
  private:
   std::shared_ptr<contact::RigidContact<2>> m_contact;
-  std::vector<double> m_impulse;  ///< N s/m, this rank's share
+  std::vector<std::size_t> m_columns;  ///< of the local nodes
+  std::vector<double> m_impulse;       ///< N s/m, this rank's share
   double m_time = 0.0;
 };
 
@@ -93,7 +97,7 @@ class Hertz : public Scene {
     round_off_bottom(simulation);
     simulation.boundary().add(cut());
     const auto plane = make_plane(simulation);
-    simulation.add_condition(plane);
+    simulation.add_constraint(plane);
     RunLoop<2> loop(m_run, simulation);
     io::CsvFile history(m_run.output_dir + "/history.csv",
                         {"time_s", "load_Pa", "contact_force_N_per_m", "out_of_balance",

@@ -57,11 +57,11 @@ class Incline : public Scene {
   void run(io::Summary& summary) override {
     solver::Simulation<2> simulation(setup());
     if (m_shape == Shape::disc) round_off(simulation);
-    simulation.add_condition(contact_of(simulation, ground(plane_height()),
-                                        {.detection = detection(),
-                                         .gap_cells = touching_distance,
-                                         .friction = m_friction,
-                                         .reference_density = m_material.parameters().density}));
+    simulation.add_constraint(contact_of(simulation, ground(plane_height()),
+                                         {.detection = detection(),
+                                          .gap_cells = touching_distance,
+                                          .friction = m_friction,
+                                          .reference_density = m_material.parameters().density}));
     RunLoop<2> loop(m_run, simulation);
     rest_on_level_plane(simulation, loop);
     slide(simulation, loop, summary);

@@ -44,7 +44,7 @@ class PipeRun {
                   {"time_s", "displacement_m", "u_over_D", "reaction_N_per_m", "N_d",
                    "reaction_contour_N_per_m", "kinetic_energy_J_per_m", "out_of_balance", "dt_s",
                    "step", "particles_at_limits"}) {
-    m_simulation.add_condition(m_contact);
+    m_simulation.add_constraint(m_contact);
     m_loop.set_output_numbers([this] { return output_numbers(); });
   }
 
@@ -85,8 +85,8 @@ class PipeRun {
 };
 
 std::shared_ptr<contact::RigidContact<2>> PipeRun::make_contact() {
-  contact::RigidBody<2> pipe{std::make_shared<contact::Ball<2>>(m_options.radius()),
-                             {0.0, -m_options.depth()}};
+  auto pipe = std::make_shared<contact::RigidBody<2>>(
+      std::make_shared<contact::Ball<2>>(m_options.radius()), Vector<2>{0.0, -m_options.depth()});
   auto contact = contact_of(m_simulation, pipe,
                             {.detection = m_options.detection,
                              .normal = m_options.normal,
@@ -102,7 +102,7 @@ std::shared_ptr<contact::RigidContact<2>> PipeRun::make_contact() {
 bool PipeRun::rest() {
   const auto measure_reaction = [this](double) {
     const double seconds = m_loop.clock().dt * check_every;
-    m_reaction_at_rest = whole(petsc::sum(m_contact->take_impulse()[1])) / seconds;
+    m_reaction_at_rest = whole(petsc::sum(m_contact->body().meter().take_impulse()[1])) / seconds;
   };
   double unbalanced = 1.0;
   const bool goes_on = settle(m_simulation, m_loop,
@@ -160,7 +160,8 @@ void PipeRun::after_push() {
 
 void PipeRun::write_row() {
   const run::Clock& clock = m_loop.clock();
-  const double reaction = whole(petsc::sum(m_contact->take_impulse()[1])) / m_time_since_row;
+  const double reaction =
+      whole(petsc::sum(m_contact->body().meter().take_impulse()[1])) / m_time_since_row;
   const double contour = whole(m_contour.take_mean()[1]);
   m_time_since_row = 0.0;
   m_next_row = row_spacing * (std::floor(u_over_D() / row_spacing + 1e-6) + 1.0);
@@ -192,7 +193,7 @@ std::vector<std::pair<std::string, double>> PipeRun::output_numbers() const {
 
 void PipeRun::push() {
   m_loop.begin_anew();
-  m_contact->take_impulse();
+  m_contact->body().meter().take_impulse();
   m_loop.write_fields(output_numbers());
   const Ramp ramp{m_options.velocity, m_options.ramp_distance * m_options.diameter};
   m_loop.run({.name = "loading",

@@ -42,20 +42,16 @@ struct MotionRate {
 };
 
 /// Gives all nodes the velocity of a homogeneous motion.
-class PrescribedMotion : public grid::NodalCondition<3> {
+class PrescribedMotion : public grid::Constraint<3> {
  public:
   MotionRate next;  ///< for the velocities of the step to come
 
-  void correct(const grid::Grid<3>& grid, const grid::NodalMotion<3>& motion) override {
+  void constrain(const grid::Grid<3>& grid, grid::ConstrainedNodes<3>& nodes) override {
     // A mapping before the first one of a step (USF) is one of velocities of the step before.
-    if (motion.is_first_mapping()) m_present = next;
+    if (nodes.is_momentum_update()) m_present = next;
     grid.for_each_owned_node([&](int I, const auto& node) {
       const Vector<3> v = m_present.velocity(grid.position(node));
-      for (std::size_t d = 0; d < 3; ++d) {
-        const double change = motion.mass[I] * v[d] - motion.momentum[d][I];
-        motion.momentum[d][I] += change;
-        if (motion.is_first_mapping()) motion.force[d][I] += change / motion.dt;
-      }
+      for (int d = 0; d < 3; ++d) nodes.set_velocity(I, d, v[static_cast<std::size_t>(d)]);
     });
   }
 
@@ -197,7 +193,7 @@ ReversalRun::ReversalRun(const ReversalOptions& options, io::Summary& summary)
                  "gap_volume_ratio", "dt_s", "step", "stage"}),
       m_particle_volume(initial_particle_volume(options)) {
   run::prescribe_pressure(m_simulation, options.pressure);
-  m_simulation.add_condition(m_motion);
+  m_simulation.add_constraint(m_motion);
 }
 
 void ReversalRun::run() {

@@ -18,16 +18,15 @@ namespace mpm::scene {
 namespace {
 
 /// Gives every node the velocity of a rigid turn, omega x (x_I - centre).
-class RigidTurn : public grid::NodalCondition<2> {
+class RigidTurn : public grid::Constraint<2> {
  public:
   RigidTurn(double omega, Vector<2> centre) : m_omega(omega), m_centre(centre) {}
 
-  void correct(const grid::Grid<2>& grid, const grid::NodalMotion<2>& motion) override {
+  void constrain(const grid::Grid<2>& grid, grid::ConstrainedNodes<2>& nodes) override {
     grid.for_each_owned_node([&](int I, const auto& node) {
       const Vector<2> x = grid.position(node);
-      motion.momentum[0][I] = -motion.mass[I] * m_omega * (x[1] - m_centre[1]);
-      motion.momentum[1][I] = motion.mass[I] * m_omega * (x[0] - m_centre[0]);
-      if (motion.is_first_mapping()) motion.force[0][I] = motion.force[1][I] = 0.0;
+      nodes.set_velocity(I, 0, -m_omega * (x[1] - m_centre[1]));
+      nodes.set_velocity(I, 1, m_omega * (x[0] - m_centre[0]));
     });
   }
 
@@ -118,7 +117,7 @@ class Rotation : public Scene {
   }
 
   void turn_nodes(solver::Simulation<2>& simulation, RunLoop<2>& loop) const {
-    simulation.add_condition(std::make_shared<RigidTurn>(omega, Vector<2>{0.0, 0.0}));
+    simulation.add_constraint(std::make_shared<RigidTurn>(omega, Vector<2>{0.0, 0.0}));
     {
       const auto view = simulation.particles().view();
       std::fill_n(view.stress[0], view.count, m_stress);

@@ -23,19 +23,16 @@ constexpr double first_measured = 0.01;  // axial strain from which kinetic ener
 
 /// A smooth platen on the top of the cube: the nodes whose functions reach the top move as in
 /// uniform compression, v_y = -V y/L.
-class Platen : public grid::NodalCondition<3> {
+class Platen : public grid::Constraint<3> {
  public:
-  void correct(const grid::Grid<3>& grid, const grid::NodalMotion<3>& motion) override {
+  void constrain(const grid::Grid<3>& grid, grid::ConstrainedNodes<3>& nodes) override {
     const basis::KnotLines& lines = grid.nodes(1).lines;
     const int first = std::min(lines.cell_of(height), lines.cells() - 1);
     grid.for_each_owned_node([&](int I, const auto& node) {
       if (node[1] < first) return;
       const double y = grid.position(node)[1];
-      const double change = -motion.mass[I] * velocity * y / height - motion.momentum[1][I];
-      motion.momentum[1][I] += change;
-      if (!motion.is_first_mapping()) return;
-      motion.force[1][I] += change / motion.dt;
-      impulse -= change * y / height;
+      const double change = nodes.set_velocity(I, 1, -velocity * y / height);
+      if (nodes.is_momentum_update()) impulse -= change * y / height;
     });
   }
 
@@ -191,7 +188,7 @@ TriaxialRun::TriaxialRun(const TriaxialOptions& options, io::Summary& summary)
                  "axial_stress_platen_Pa", "stress_spread", "kinetic_energy_J", "dt_s", "step"}) {
   run::prescribe_pressure(m_simulation, options.pressure);
   m_simulation.boundary().add(options.sides());
-  m_simulation.add_condition(m_platen);
+  m_simulation.add_constraint(m_platen);
   m_initial_volume = observe_cube().volume;
 }
 

@@ -124,7 +124,7 @@ void ExplicitStep<dim, Basis>::take_deposited_velocities() {
   });
   m_parts.walls.fold(m_parts.grid, m_sums);
   invert_mass();
-  for (auto* condition : m_parts.conditions) condition->begin_step();
+  for (auto* constraint : m_parts.constraints) constraint->find_nodes();
   constrain_remapped_momentum();
   m_remapped.copy_to_ghosts();
 }
@@ -217,6 +217,15 @@ void ExplicitStep<dim, Basis>::average_volume_change(const View& particles) {
   transfer::replace_volume_change<dim, Basis>(particles, stencil(), change, m_increments);
 }
 
+/// All constraints act on one of the two mappings of a step, each on its own account.
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::constrain(grid::ConstrainedNodes<dim> nodes) {
+  for (auto* constraint : m_parts.constraints) {
+    nodes.book_on(constraint->booking());
+    constraint->constrain(m_parts.grid, nodes);
+  }
+}
+
 /// p_I += f_I dt (Eq. 6) with walls, rigid bodies and damping; then v_I = p_I/m_I, a_I = f_I/m_I.
 template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::update_momentum(const StepTimes& times, double damping) {
@@ -228,9 +237,8 @@ void ExplicitStep<dim, Basis>::update_momentum(const StepTimes& times, double da
   m_parts.grid.for_each_active_run([&](int I, int count) {
     for (int d = 0; d < dim; ++d) add_product(sums.force[d] + I, dt, count, sums.momentum[d] + I);
   });
-  for (auto* condition : m_parts.conditions) condition->begin_step();
-  for (auto* condition : m_parts.conditions)
-    condition->correct(m_parts.grid, {sums.mass, sums.momentum, sums.force, dt});
+  for (auto* constraint : m_parts.constraints) constraint->find_nodes();
+  constrain({sums.mass, sums.momentum, sums.force, dt});
   m_parts.walls.hold(m_parts.grid, m_sums);
   sum_unbalanced_force();
   if (damping > 0.0) apply_damping(damping, dt);
@@ -266,11 +274,13 @@ template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::apply_damping(double damping, double dt) {
   const transfer::MassMomentumForce<dim> sums(m_sums);
   std::vector<std::pair<double*, double>> undamped;
-  for (const auto* condition : m_parts.conditions)
-    for (int I : condition->acted_nodes())
+  for (auto* constraint : m_parts.constraints) {
+    if (!constraint->spares_from_damping()) continue;
+    for (const auto& [I, given] : constraint->booking().changes)
       for (int d = 0; d < dim; ++d)
         for (double* value : {sums.force[d] + I, sums.momentum[d] + I})
           undamped.emplace_back(value, *value);
+  }
   m_parts.grid.for_each_active_run([&](int I, int count) {
     for (int d = 0; d < dim; ++d) damp(damping, dt, count, sums.force[d] + I, sums.momentum[d] + I);
   });
@@ -297,8 +307,7 @@ void ExplicitStep<dim, Basis>::constrain_remapped_momentum() {
   const transfer::MassMomentumForce<dim> sums(m_sums);
   const transfer::NodalVector<dim> remapped(m_remapped);
   m_parts.walls.fold(m_parts.grid, m_remapped);
-  for (auto* condition : m_parts.conditions)
-    condition->correct(m_parts.grid, {sums.mass, remapped.value});
+  constrain({sums.mass, remapped.value});
   m_parts.walls.hold(m_parts.grid, m_remapped);
   m_parts.grid.for_each_active_run([&](int I, int count) {
     for (int d = 0; d < dim; ++d) scale(m_inverse_mass.data() + I, count, remapped.value[d] + I);

@@ -24,7 +24,7 @@ class ExplicitStep : public Step<dim> {
 
   /// Nodal mass, momentum and force of the particles (Eqs. 1-5). Collective.
   void deposit(const View& particles, const StepOptions<dim>& options);
-  /// Nodal momentum, velocity and acceleration after forces, walls and conditions (Eq. 6).
+  /// Nodal momentum, velocity and acceleration after forces, walls and constraints (Eq. 6).
   /// Collective.
   void update_momentum(const StepTimes& times, double damping);
   /// Particle velocities (Eq. 7). Local.
@@ -48,6 +48,7 @@ class ExplicitStep : public Step<dim> {
 
  private:
   void invert_mass();
+  void constrain(grid::ConstrainedNodes<dim> nodes);
   void sum_unbalanced_force();
   void apply_damping(double damping, double dt);
   void compute_velocity_and_acceleration();

@@ -84,7 +84,7 @@ template <int dim>
 std::unique_ptr<Step<dim>> Simulation<dim>::make_step(const SimulationSetup<dim>& setup) {
   return basis::with_basis(setup.basis, [&]<class Basis>() {
     return solver::make_step<dim, Basis>(setup.scheme, {*m_grid, bases<dim, Basis>(setup), m_walls,
-                                                        *m_particles, *m_boundary, m_conditions});
+                                                        *m_particles, *m_boundary, m_constraints});
   });
 }
 
@@ -111,9 +111,9 @@ void Simulation<dim>::seed(const SimulationSetup<dim>& setup) {
 }
 
 template <int dim>
-void Simulation<dim>::add_condition(std::shared_ptr<grid::NodalCondition<dim>> condition) {
-  m_conditions.push_back(condition.get());
-  m_owned_conditions.push_back(std::move(condition));
+void Simulation<dim>::add_constraint(std::shared_ptr<grid::Constraint<dim>> constraint) {
+  m_constraints.push_back(constraint.get());
+  m_owned_constraints.push_back(std::move(constraint));
 }
 
 template <int dim>
@@ -179,7 +179,7 @@ StepTimes Simulation<dim>::advance(double time, double dt) {
     m_options.body_force.at_reference_position = [this, time](const Vector<dim>& X) {
       return m_body_force(X, time);
     };
-  for (auto* condition : m_conditions) condition->prepare_step();
+  for (auto* constraint : m_constraints) constraint->look_at_particles();
   agree(m_step->advance(times, m_options), times);
   m_dt_old = dt;
   ++m_steps;

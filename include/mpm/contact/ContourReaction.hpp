@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mpm/contact/RigidContact.hpp"
+#include "mpm/contact/RigidBody.hpp"
 #include "mpm/particles/BoundaryParticles.hpp"
 #include "mpm/particles/Particles.hpp"
 

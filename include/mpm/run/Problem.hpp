@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "mpm/contact/RigidBody.hpp"
 #include "mpm/run/Cadence.hpp"
 #include "mpm/run/Stage.hpp"
 
@@ -25,9 +26,11 @@ struct Problem {
   /// The pressure on all of it at a time, Pa, in place of what its pieces have.
   std::function<double(double)> surface_pressure = {};
   /// Made once the grid is there, in the order in which they act.
-  using MakeCondition =
-      std::function<std::shared_ptr<grid::NodalCondition<dim>>(const solver::Simulation<dim>&)>;
-  std::vector<MakeCondition> conditions = {};
+  using MakeConstraint =
+      std::function<std::shared_ptr<grid::Constraint<dim>>(const solver::Simulation<dim>&)>;
+  std::vector<MakeConstraint> constraints = {};
+  /// Moved and metered by the run.
+  std::vector<std::shared_ptr<contact::RigidBody<dim>>> bodies = {};
   std::vector<Stage<dim>> stages = {};
   std::vector<std::shared_ptr<Observer<dim>>> observers = {};
 

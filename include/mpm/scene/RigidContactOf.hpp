@@ -8,13 +8,14 @@
 namespace mpm::scene {
 
 /// The half space below a height, m.
-inline contact::RigidBody<2> ground(double height) {
-  return {std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, 1.0}), {0.0, height}};
+inline std::shared_ptr<contact::RigidBody<2>> ground(double height) {
+  return std::make_shared<contact::RigidBody<2>>(
+      std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, 1.0}), Vector<2>{0.0, height});
 }
 
 /// Contact of all particles of a simulation, which must outlive it, with a rigid body. Collective.
 inline std::shared_ptr<contact::RigidContact<2>> contact_of(
-    const solver::Simulation<2>& simulation, const contact::RigidBody<2>& body,
+    const solver::Simulation<2>& simulation, const std::shared_ptr<contact::RigidBody<2>>& body,
     const contact::ContactOptions& options) {
   auto contact = std::make_shared<contact::RigidContact<2>>(
       simulation.grid(), simulation.walls(), simulation.step().point_deposit(), body, options);

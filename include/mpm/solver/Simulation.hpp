@@ -63,7 +63,7 @@ class Simulation {
   void assume_last_step(double dt) { m_dt_old = dt; }
 
   /// Rigid bodies and the like, which act on nodes in the order they were added.
-  void add_condition(std::shared_ptr<grid::NodalCondition<dim>> condition);
+  void add_constraint(std::shared_ptr<grid::Constraint<dim>> constraint);
 
   void set_damping(double damping) { m_options.damping = damping; }
   void set_gravity(const Vector<dim>& gravity) { m_options.body_force.uniform = gravity; }
@@ -112,8 +112,8 @@ class Simulation {
   grid::Walls<dim> m_walls;
   std::unique_ptr<particles::Particles<dim>> m_particles;
   std::unique_ptr<particles::BoundaryParticles<dim>> m_boundary;
-  std::vector<std::shared_ptr<grid::NodalCondition<dim>>> m_owned_conditions;
-  Conditions<dim> m_conditions;
+  std::vector<std::shared_ptr<grid::Constraint<dim>>> m_owned_constraints;
+  Constraints<dim> m_constraints;
   std::unique_ptr<Step<dim>> m_step;
   StepOptions<dim> m_options;
   double m_courant;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mpm/basis/BSpline.hpp"
-#include "mpm/grid/NodalCondition.hpp"
+#include "mpm/grid/Constraint.hpp"
 #include "mpm/grid/Walls.hpp"
 #include "mpm/particles/BoundaryParticles.hpp"
 #include "mpm/particles/Particles.hpp"
@@ -60,7 +60,7 @@ class Step {
   /// Smallest h_p / (c_p + |v_p|) over this rank's particles, s. Local.
   virtual double smallest_transit_time() const = 0;
 
-  /// Sum over this rank's nodes of |f| after walls and conditions, without damping, in the last
+  /// Sum over this rank's nodes of |f| after walls and constraints, without damping, in the last
   /// step, N.
   virtual double unbalanced_force() const = 0;
 
@@ -70,9 +70,9 @@ class Step {
   virtual const grid::NodalField<dim>& nodal_sums() const = 0;
 };
 
-/// Conditions act in the order given; they must outlive the step.
+/// Constraints act in the order given; they must outlive the step.
 template <int dim>
-using Conditions = std::vector<grid::NodalCondition<dim>*>;
+using Constraints = std::vector<grid::Constraint<dim>*>;
 
 /// What a step works on; all must outlive it.
 template <int dim, class Basis>
@@ -82,7 +82,7 @@ struct StepParts {
   const grid::Walls<dim>& walls;
   particles::Particles<dim>& particles;
   particles::BoundaryParticles<dim>& boundary;
-  const Conditions<dim>& conditions;
+  const Constraints<dim>& constraints;
 };
 
 /// Which velocities strain the particles, and when their stress is renewed.

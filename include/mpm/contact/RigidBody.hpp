@@ -1,0 +1,150 @@
+#pragma once
+
+#include <memory>
+
+#include "mpm/contact/Motion.hpp"
+#include "mpm/contact/Surface.hpp"
+#include "mpm/grid/Constraint.hpp"
+#include "mpm/petsc/Session.hpp"
+
+namespace mpm::contact {
+
+/// What acts on a rigid body, as means over time.
+template <int dim>
+struct BodyForce {
+  Vector<dim> force{};  ///< N (per metre in plane strain)
+  double moment = 0.0;  ///< N m, anticlockwise about the reference point; 2D only
+};
+
+/// Measures what the ground does to a rigid body by the impulses that constraints of the body have
+/// booked, over a time of its own.
+template <int dim>
+class Meter {
+ public:
+  /// Where the constraints of the body book what they give to nodes.
+  grid::Booking<dim>& booking() { return m_booking; }
+  /// The moment of an impulse given to a node at r from the reference point.
+  void add_moment(const Vector<dim>& r, const Vector<dim>& impulse) {
+    if constexpr (dim == 2) m_moment_given += r[0] * impulse[1] - r[1] * impulse[0];
+  }
+  /// Called after every step with the time over which its forces have acted, s.
+  void advance(double momentum_dt) { m_time += momentum_dt; }
+
+  /// Mean since the last call; 0 if no time has gone. Collective.
+  BodyForce<dim> take_mean() {
+    BodyForce<dim> mean;
+    const Vector<dim> given = m_booking.take_impulse();
+    for (int d = 0; d < dim; ++d) mean.force[d] = mean_of(given[d]);
+    mean.moment = mean_of(m_moment_given);
+    forget();
+    return mean;
+  }
+
+  /// Impulse of the ground on the body since the last call, N s, this rank's share.
+  Vector<dim> take_impulse() {
+    Vector<dim> impulse = m_booking.take_impulse();
+    for (double& component : impulse) component = 0.0 - component;
+    forget();
+    return impulse;
+  }
+
+  void forget() {
+    m_booking.take_impulse();
+    m_moment_given = m_time = 0.0;
+  }
+
+  void persist(Archive& archive) {
+    m_booking.persist(archive);
+    archive("moment_given", m_moment_given);
+    archive("time", m_time);
+  }
+
+ private:
+  double mean_of(double given) const {
+    const double sum = petsc::sum(0.0 - given);
+    return m_time > 0.0 ? sum / m_time : 0.0;
+  }
+
+  grid::Booking<dim> m_booking;
+  double m_moment_given = 0.0;  ///< N m s, to nodes
+  double m_time = 0.0;          ///< s
+};
+
+/// A body without stress that moves as its motion says, whatever the ground does.
+template <int dim>
+class RigidBody {
+ public:
+  /// Stands still where there is no motion. `surface` is the shape about the reference point.
+  explicit RigidBody(std::shared_ptr<const Surface<dim>> surface, const Vector<dim>& at = {},
+                     std::shared_ptr<const Motion<dim>> motion = nullptr)
+      : position(at), m_surface(std::move(surface)), m_motion(std::move(motion)) {}
+
+  Vector<dim> position;    ///< of the reference point, m
+  double angle = 0.0;      ///< turned since the start, rad; 2D only
+  Vector<dim> velocity{};  ///< m/s
+  double spin = 0.0;       ///< rad/s
+
+  /// Takes the velocity of the motion in the middle of a step that begins at `time`.
+  void begin_step(double time, double dt) {
+    if (!m_motion) return;
+    const BodyVelocity<dim> now = m_motion->at(time + 0.5 * dt);
+    velocity = now.translation;
+    spin = now.spin;
+  }
+  /// Moves by the step.
+  void end_step(double dt, double momentum_dt) {
+    for (int d = 0; d < dim; ++d) position[d] += velocity[d] * dt;
+    angle += spin * dt;
+    m_meter.advance(momentum_dt);
+  }
+  void stand_still() {
+    velocity = {};
+    spin = 0.0;
+  }
+
+  /// Where x lies relative to the surface.
+  Proximity<dim> locate(const Vector<dim>& x) const {
+    Vector<dim> r = from_reference(x);
+    if (angle == 0.0) return m_surface->locate(r);
+    Proximity<dim> turned = m_surface->locate(rotated(r, -angle));
+    turned.normal = rotated(turned.normal, angle);
+    return turned;
+  }
+  Vector<dim> from_reference(const Vector<dim>& x) const {
+    Vector<dim> r;
+    for (int d = 0; d < dim; ++d) r[d] = x[d] - position[d];
+    return r;
+  }
+  /// Of the body's point at r from its reference point.
+  Vector<dim> velocity_at(const Vector<dim>& r) const {
+    Vector<dim> v = velocity;
+    if constexpr (dim == 2)
+      if (spin != 0.0) v = {v[0] - spin * r[1], v[1] + spin * r[0]};
+    return v;
+  }
+
+  Meter<dim>& meter() { return m_meter; }
+
+  void persist(Archive& archive) {
+    archive("position", position);
+    archive("angle", angle);
+    archive("velocity", velocity);
+    archive("spin", spin);
+    archive.group("meter", [&] { m_meter.persist(archive); });
+  }
+
+ private:
+  static Vector<dim> rotated(Vector<dim> r, double by) {
+    if constexpr (dim == 2) {
+      const double c = std::cos(by), s = std::sin(by);
+      r = {c * r[0] - s * r[1], s * r[0] + c * r[1]};
+    }
+    return r;
+  }
+
+  std::shared_ptr<const Surface<dim>> m_surface;
+  std::shared_ptr<const Motion<dim>> m_motion;
+  Meter<dim> m_meter;
+};
+
+}  // namespace mpm::contact
