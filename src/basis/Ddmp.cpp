@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "mpm/basis/NodesOnLines.hpp"
+#include "NodesOnLines.hpp"
 
 namespace mpm::basis {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "mpm/basis/NodesOnLines.hpp"
+#include "NodesOnLines.hpp"
 
 namespace mpm::basis {
 

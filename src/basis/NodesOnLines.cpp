@@ -1,4 +1,4 @@
-#include "mpm/basis/NodesOnLines.hpp"
+#include "NodesOnLines.hpp"
 
 #include <fmt/format.h>
 

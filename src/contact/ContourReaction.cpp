@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "mpm/petsc/Session.hpp"
-
 namespace mpm::contact {
 namespace {
 
@@ -77,13 +75,13 @@ void ContourReaction<dim>::sample_surface(const particles::BoundaryView<dim>& bo
 }
 
 template <int dim>
-Vector<dim> ContourReaction<dim>::take_mean() {
+Vector<dim> ContourReaction<dim>::take_mean(const petsc::Communicator& communicator) {
   Vector<dim> mean{};
   for (int d = 0; d < dim; ++d) {
-    const double last = petsc::sum(m_momentum[d]);
+    const double last = communicator.sum(m_momentum[d]);
     const double change = m_has_start ? last - m_first_momentum[d] : 0.0;
     m_first_momentum[d] = last;
-    const double total = petsc::sum(std::exchange(m_force_time[d], 0.0));
+    const double total = communicator.sum(std::exchange(m_force_time[d], 0.0));
     if (m_time > 0.0) mean[d] = (total - change) / m_time;
   }
   m_has_start = true;

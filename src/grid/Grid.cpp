@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "mpm/petsc/Error.hpp"
-#include "mpm/petsc/Session.hpp"
 
 namespace mpm::grid {
 namespace {
@@ -26,7 +25,7 @@ std::vector<PetscInt> range_lengths(const std::vector<int>& starts) {
 }
 
 template <int dim>
-void create_dmda(const std::array<basis::NodeLine, dim>& nodes,
+void create_dmda(MPI_Comm communicator, const std::array<basis::NodeLine, dim>& nodes,
                  const partition::Layout<dim>& layout, int width, DM* dm) {
   std::array<std::vector<PetscInt>, 3> lengths;
   std::array<PetscInt, 3> counts{1, 1, 1}, processes{1, 1, 1};
@@ -37,13 +36,13 @@ void create_dmda(const std::array<basis::NodeLine, dim>& nodes,
   }
   const DMBoundaryType none = DM_BOUNDARY_NONE;
   if constexpr (dim == 1)
-    MPM_PETSC(DMDACreate1d(PETSC_COMM_WORLD, none, counts[0], 1, width, lengths[0].data(), dm));
+    MPM_PETSC(DMDACreate1d(communicator, none, counts[0], 1, width, lengths[0].data(), dm));
   else if constexpr (dim == 2)
-    MPM_PETSC(DMDACreate2d(PETSC_COMM_WORLD, none, none, DMDA_STENCIL_BOX, counts[0], counts[1],
+    MPM_PETSC(DMDACreate2d(communicator, none, none, DMDA_STENCIL_BOX, counts[0], counts[1],
                            processes[0], processes[1], 1, width, lengths[0].data(),
                            lengths[1].data(), dm));
   else
-    MPM_PETSC(DMDACreate3d(PETSC_COMM_WORLD, none, none, none, DMDA_STENCIL_BOX, counts[0],
+    MPM_PETSC(DMDACreate3d(communicator, none, none, none, DMDA_STENCIL_BOX, counts[0],
                            counts[1], counts[2], processes[0], processes[1], processes[2], 1, width,
                            lengths[0].data(), lengths[1].data(), lengths[2].data(), dm));
   MPM_PETSC(DMSetUp(*dm));
@@ -188,10 +187,12 @@ std::vector<Run<dim>> cut(const std::vector<Run<dim>>& runs, const Box<dim>& box
 }  // namespace
 
 template <int dim>
-Grid<dim>::Grid(const std::array<basis::NodeLine, dim>& nodes, const partition::Layout<dim>& ranges)
-    : m_nodes(nodes),
-      m_rank(petsc::world_rank()),
-      m_ranks(petsc::world_size()),
+Grid<dim>::Grid(const petsc::Communicator& communicator,
+                const std::array<basis::NodeLine, dim>& nodes, const partition::Layout<dim>& ranges)
+    : m_communicator(communicator),
+      m_nodes(nodes),
+      m_rank(communicator.rank()),
+      m_ranks(communicator.size()),
       m_recorded(box_of_ranges<dim>(coordinates_of<dim>(m_rank, ranges), ranges)),
       m_ownership(
           partition::ownership_of<dim>(ranges, cell_counts<dim>(nodes), nodes[0].owner_offset)),
@@ -199,7 +200,7 @@ Grid<dim>::Grid(const std::array<basis::NodeLine, dim>& nodes, const partition::
       m_reachable_cells({}),
       m_active_cells({}),
       m_active_box(all_cells()) {
-  create_dmda<dim>(nodes, ranges, stencil_width(nodes[0]), m_dm.address());
+  create_dmda<dim>(communicator, nodes, ranges, stencil_width(nodes[0]), m_dm.address());
   set_ownership(m_ownership);
 }
 
@@ -307,7 +308,7 @@ void Grid<dim>::connect_record() const {
     roots.push_back({owner, ghosted_nodes_of(owner).index_of(node)});
   });
   m_record.reset();
-  MPM_PETSC(PetscSFCreate(PETSC_COMM_WORLD, m_record.address()));
+  MPM_PETSC(PetscSFCreate(m_communicator, m_record.address()));
   MPM_PETSC(PetscSFSetGraph(m_record, local_size(), static_cast<PetscInt>(roots.size()), nullptr,
                             PETSC_COPY_VALUES, roots.data(), PETSC_COPY_VALUES));
   MPM_PETSC(PetscSFSetUp(m_record));

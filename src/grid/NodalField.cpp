@@ -26,7 +26,7 @@ void create_halo(const Grid<dim>& grid, int components, PetscSF* halo) {
       roots.push_back({owner, c * box.size() + box.index_of(node)});
     });
   }
-  MPM_PETSC(PetscSFCreate(PETSC_COMM_WORLD, halo));
+  MPM_PETSC(PetscSFCreate(grid.communicator(), halo));
   MPM_PETSC(PetscSFSetGraph(*halo, components * grid.local_size(),
                             static_cast<PetscInt>(leaves.size()), leaves.data(), PETSC_COPY_VALUES,
                             roots.data(), PETSC_COPY_VALUES));

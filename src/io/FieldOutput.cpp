@@ -8,7 +8,6 @@
 #include "mpm/io/Hdf5File.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/petsc/Log.hpp"
-#include "mpm/petsc/Session.hpp"
 
 namespace mpm::io {
 namespace {
@@ -96,7 +95,8 @@ class ParticleFile {
         m_fields(particles.fields()),
         m_view(particles.view()),
         m_count(particles.global_count()),
-        m_file(directory + "/" + m_name) {}
+        m_communicator(particles.communicator()),
+        m_file(directory + "/" + m_name, m_communicator) {}
 
   void geometry() {
     const Field<dim>& position = m_fields.named("position");
@@ -151,6 +151,7 @@ class ParticleFile {
   const particles::FieldTable<dim>& m_fields;
   const particles::ParticleView<dim> m_view;
   long long m_count;  ///< of all ranks
+  petsc::Communicator m_communicator;
   Hdf5File m_file;
   std::string m_attributes;
 };
@@ -193,10 +194,9 @@ void ParticleFile<dim>::write(const Field<dim>& field, const std::vector<Value>&
 /// Readers show no particles without it.
 template <int dim>
 void ParticleFile<dim>::connectivity() {
-  long long up_to_here = m_view.count;
-  MPI_Scan(MPI_IN_PLACE, &up_to_here, 1, MPI_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
+  const long long first = m_communicator.sum_before(m_view.count);
   std::vector<std::int32_t> rows(static_cast<std::size_t>(m_view.count));
-  std::iota(rows.begin(), rows.end(), static_cast<std::int32_t>(up_to_here - m_view.count));
+  std::iota(rows.begin(), rows.end(), static_cast<std::int32_t>(first));
   m_file.rows({"connectivity", "row of the particle, for readers that ask for cells", "1"}, rows,
               1);
 }
@@ -220,8 +220,10 @@ void FieldOutput<dim>::write(const Moment& moment, const particles::Particles<di
   const std::string node_grid = write_grid(moment, grid, mass_and_momentum);
   m_particle_grids.push_back(particle_grid);
   m_node_grids.push_back(node_grid);
-  write_text_file(m_directory + "/particles.xdmf", collection("particles", m_particle_grids));
-  write_text_file(m_directory + "/grid.xdmf", collection("grid", m_node_grids));
+  write_text_file(m_directory + "/particles.xdmf", collection("particles", m_particle_grids),
+                  grid.communicator());
+  write_text_file(m_directory + "/grid.xdmf", collection("grid", m_node_grids),
+                  grid.communicator());
 }
 
 template <int dim>
@@ -239,7 +241,7 @@ template <int dim>
 std::string FieldOutput<dim>::write_grid(const Moment& moment, const grid::Grid<dim>& grid,
                                          const grid::NodalField<dim>& sums) {
   const std::string name = path("grid");
-  Hdf5File file(m_directory + "/" + name);
+  Hdf5File file(m_directory + "/" + name, grid.communicator());
   write_attributes(file, moment);
   Hdf5File::Block block{{1, 1, 1}, {0, 0, 0}, {1, 1, 1}};
   for (int d = 0; d < dim; ++d) {
@@ -258,7 +260,7 @@ std::string FieldOutput<dim>::write_grid(const Moment& moment, const grid::Grid<
     const std::vector<double> line = d < dim ? grid.nodes(d).positions : std::vector<double>{0.0};
     const Dataset dataset{fmt::format("nodes_{}", "xyz"[d]),
                           fmt::format("positions of the nodes along {}", "xyz"[d]), "m"};
-    file.rows(dataset, petsc::world_rank() == 0 ? line : std::vector<double>{}, 1);
+    file.rows(dataset, grid.rank() == 0 ? line : std::vector<double>{}, 1);
     xdmf += data_item(std::to_string(line.size()), double_number, name + ":/" + dataset.name);
   }
   xdmf += "</Geometry>\n";

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "mpm/core/Errors.hpp"
-#include "mpm/petsc/Session.hpp"
 
 namespace mpm::io {
 namespace {
@@ -64,18 +63,17 @@ bool write_text_attribute(hid_t object, const std::string& name, const std::stri
 
 /// Agrees over all ranks, so that none waits for another that has given up.
 void Hdf5File::check(bool ok, const std::string& what) const {
-  int all_ok = ok ? 1 : 0;
-  MPI_Allreduce(MPI_IN_PLACE, &all_ok, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
-  if (all_ok == 0)
+  if (!m_communicator.all(ok))
     throw NumericalFailure(fmt::format(
         "cannot {} '{}': check that the directory exists, can be written and is not full", what,
         m_path));
 }
 
-Hdf5File::Hdf5File(std::string path) : m_path(std::move(path)) {
+Hdf5File::Hdf5File(std::string path, const petsc::Communicator& communicator)
+    : m_path(std::move(path)), m_communicator(communicator) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // our message replaces HDF5's trace
   const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-  H5Pset_fapl_mpio(access, PETSC_COMM_WORLD, MPI_INFO_NULL);
+  H5Pset_fapl_mpio(access, m_communicator, MPI_INFO_NULL);
   m_file = H5Fcreate((m_path + ".part").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
   H5Pclose(access);
   check(m_file >= 0, "create");
@@ -130,11 +128,10 @@ void Hdf5File::block(const Dataset& dataset, const std::vector<Value>& values, c
 template <class Value>
 void Hdf5File::rows(const Dataset& dataset, const std::vector<Value>& values, int columns) {
   const auto width = static_cast<hsize_t>(columns);
-  const unsigned long long local = values.size() / width;
-  unsigned long long first = 0, global = 0;
-  MPI_Exscan(&local, &first, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
-  MPI_Allreduce(&local, &global, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
-  Block block{{global}, {first}, {local}};
+  const auto local = static_cast<long long>(values.size() / width);
+  Block block{{static_cast<hsize_t>(m_communicator.sum(local))},
+              {static_cast<hsize_t>(m_communicator.sum_before(local))},
+              {static_cast<hsize_t>(local)}};
   if (columns > 1) {
     block.global.push_back(width);
     block.first.push_back(0);
@@ -146,7 +143,7 @@ void Hdf5File::rows(const Dataset& dataset, const std::vector<Value>& values, in
 void Hdf5File::close() {
   const bool closed = H5Fclose(std::exchange(m_file, H5I_INVALID_HID)) >= 0;
   check(closed, "close");
-  check(petsc::world_rank() != 0 || std::rename((m_path + ".part").c_str(), m_path.c_str()) == 0,
+  check(!m_communicator.is_root() || std::rename((m_path + ".part").c_str(), m_path.c_str()) == 0,
         "rename");
 }
 

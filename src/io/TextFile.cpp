@@ -1,7 +1,6 @@
 #include "mpm/io/TextFile.hpp"
 
 #include <fmt/format.h>
-#include <petscsys.h>
 
 #include <cerrno>
 #include <cstring>
@@ -10,16 +9,9 @@
 #include <utility>
 
 #include "mpm/core/Errors.hpp"
-#include "mpm/petsc/Session.hpp"
 
 namespace mpm::io {
 namespace {
-
-bool agreed(bool ok) {
-  int all_ok = ok ? 1 : 0;
-  MPI_Allreduce(MPI_IN_PLACE, &all_ok, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
-  return all_ok != 0;
-}
 
 [[noreturn]] void fail(const std::string& path) {
   throw NumericalFailure(fmt::format(
@@ -35,19 +27,19 @@ bool write_whole(const std::string& path, const std::string& text) {
 
 }  // namespace
 
-void make_directory(const std::string& path) {
+void make_directory(const std::string& path, const petsc::Communicator& communicator) {
   std::error_code error;
-  if (petsc::is_root()) std::filesystem::create_directories(path, error);
-  const bool usable = !petsc::is_root() || (std::filesystem::is_directory(path) && !error);
-  if (!agreed(usable))
+  if (communicator.is_root()) std::filesystem::create_directories(path, error);
+  const bool usable = !communicator.is_root() || (std::filesystem::is_directory(path) && !error);
+  if (!communicator.all(usable))
     throw BadInput(
         fmt::format("-output_dir {}: the directory cannot be made ({}); name one that "
                     "can be written",
                     path, error.message()));
 }
 
-void remove_results(const std::string& directory) {
-  if (petsc::is_root()) {
+void remove_results(const std::string& directory, const petsc::Communicator& communicator) {
+  if (communicator.is_root()) {
     for (const char* name : {"history.csv", "summary.json", "failure.json", "threshold.csv",
                              "used.opts", "particles.xdmf", "grid.xdmf"})
       std::filesystem::remove(directory + "/" + name);
@@ -58,21 +50,23 @@ void remove_results(const std::string& directory) {
         std::filesystem::remove(entry.path());
     }
   }
-  MPI_Barrier(PETSC_COMM_WORLD);  // nobody writes before the old files are gone
+  communicator.barrier();  // nobody writes before the old files are gone
 }
 
-void write_text_file(const std::string& path, const std::string& text) {
+void write_text_file(const std::string& path, const std::string& text,
+                     const petsc::Communicator& communicator) {
   const std::string part = path + ".part";
   bool ok = true;
-  if (petsc::is_root())
+  if (communicator.is_root())
     ok = write_whole(part, text) && std::rename(part.c_str(), path.c_str()) == 0;
-  if (!agreed(ok)) fail(path);
+  if (!communicator.all(ok)) fail(path);
 }
 
-CsvFile::CsvFile(std::string path, const std::vector<std::string>& columns)
-    : m_path(std::move(path)) {
-  if (petsc::is_root()) m_file = std::fopen(m_path.c_str(), "w");
-  check(!petsc::is_root() ||
+CsvFile::CsvFile(std::string path, const std::vector<std::string>& columns,
+                 const petsc::Communicator& communicator)
+    : m_path(std::move(path)), m_communicator(communicator) {
+  if (communicator.is_root()) m_file = std::fopen(m_path.c_str(), "w");
+  check(!communicator.is_root() ||
         (m_file != nullptr &&
          std::fputs((fmt::format("{}\n", fmt::join(columns, ","))).c_str(), m_file) >= 0));
 }
@@ -82,7 +76,7 @@ CsvFile::~CsvFile() {
 }
 
 void CsvFile::check(bool ok) const {
-  if (!agreed(ok)) fail(m_path);
+  if (!m_communicator.all(ok)) fail(m_path);
 }
 
 void CsvFile::row(const std::vector<double>& values) {

@@ -7,7 +7,6 @@
 
 #include "mpm/core/Errors.hpp"
 #include "mpm/particles/Particles.hpp"
-#include "mpm/petsc/Session.hpp"
 
 namespace mpm::particles {
 namespace {
@@ -23,8 +22,8 @@ double deviatoric_stress(const ParticleView<dim>& view, int p) {
 }
 
 template <int dim>
-double rank(const ParticleView<dim>&, int) {
-  return petsc::world_rank();
+double rank(const ParticleView<dim>& view, int) {
+  return view.rank;
 }
 
 /// The one table of what every particle has, whatever its law. Lengths left out count 1 m.

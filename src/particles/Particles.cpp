@@ -35,7 +35,7 @@ MemberHandles<dim>::MemberHandles(const FieldTable<dim>& fields)
 template <int dim>
 ParticleView<dim>::ParticleView(const Swarm<dim>& swarm, const FieldTable<dim>& fields,
                                 const MemberHandles<dim>& members)
-    : count(swarm.local_count()), m_open(swarm.dm()) {
+    : count(swarm.local_count()), rank(swarm.communicator().rank()), m_open(swarm.dm()) {
   m_data.reserve(fields.columns().size());
   for (const auto& column : fields.columns()) m_data.push_back(m_open.open(column.name));
   id = static_cast<std::int64_t*>(m_open.open(id_column));
@@ -148,7 +148,7 @@ void Particles<dim>::renew_active_cells() const {
       extremes[d] = std::min(extremes[d], cell[d]);
       extremes[dim + d] = std::min(extremes[dim + d], -cell[d]);
     }
-  MPI_Allreduce(MPI_IN_PLACE, extremes.data(), 2 * dim, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
+  communicator().minimum(extremes);
   grid::Box<dim> active;
   for (int d = 0; d < dim; ++d) {
     active.begin[d] = extremes[d] - margin;
@@ -164,8 +164,7 @@ partition::CellWork<dim> Particles<dim>::count_in_cells() const {
                                   std::vector<double>(static_cast<std::size_t>(all.size()))};
   for (const auto& cell : cells())
     if (all.contains(cell)) counts.work[static_cast<std::size_t>(all.index_of(cell))] += 1.0;
-  MPI_Allreduce(MPI_IN_PLACE, counts.work.data(), all.size(), MPI_DOUBLE, MPI_SUM,
-                PETSC_COMM_WORLD);
+  communicator().sum(counts.work);
   return counts;
 }
 

@@ -8,7 +8,6 @@
 
 #include "mpm/core/Errors.hpp"
 #include "mpm/petsc/Error.hpp"
-#include "mpm/petsc/Session.hpp"
 
 namespace mpm::particles {
 namespace {
@@ -32,7 +31,7 @@ void* OpenColumns::open(const std::string& name) {
 template <int dim>
 Swarm<dim>::Swarm(const grid::Grid<dim>& grid, std::string what, std::span<const Column> columns)
     : m_grid(grid), m_what(std::move(what)) {
-  MPM_PETSC(DMCreate(PETSC_COMM_WORLD, m_swarm.address()));
+  MPM_PETSC(DMCreate(communicator(), m_swarm.address()));
   MPM_PETSC(DMSetType(m_swarm, DMSWARM));
   MPM_PETSC(DMSetDimension(m_swarm, dim));
   MPM_PETSC(DMSwarmSetType(m_swarm, DMSWARM_BASIC));
@@ -65,7 +64,7 @@ template <int dim>
 int Swarm<dim>::grow(int count) {
   const int before = local_count();
   resize(before + count);
-  m_global_count += petsc::sum(static_cast<long long>(count));
+  m_global_count += communicator().sum(static_cast<long long>(count));
   return before;
 }
 
@@ -140,9 +139,9 @@ template <int dim>
 void Swarm<dim>::migrate(std::span<const std::array<int, dim>> cells) {
   const std::vector<int> destination = owners_of(cells);
   const long long outside = std::count(destination.begin(), destination.end(), -1);
-  if (petsc::sum(outside) > 0) throw NumericalFailure(fmt::format("a {} left the grid", m_what));
+  if (communicator().sum(outside) > 0) throw NumericalFailure(fmt::format("a {} left the grid", m_what));
 
-  const int here = petsc::world_rank();
+  const int here = m_grid.rank();
   std::vector<int> leaving;
   for (int p = 0; p < static_cast<int>(destination.size()); ++p)
     if (destination[static_cast<std::size_t>(p)] != here) leaving.push_back(p);
@@ -153,7 +152,7 @@ void Swarm<dim>::migrate(std::span<const std::array<int, dim>> cells) {
   const int arriving = static_cast<int>(incoming.size() / m_bytes_per_point);
   resize(staying + arriving);
   unpack(incoming, staying);
-  const long long count = petsc::sum(static_cast<long long>(staying + arriving));
+  const long long count = communicator().sum(static_cast<long long>(staying + arriving));
   if (count != m_global_count)
     throw NumericalFailure(
         fmt::format("{} {}s before migration, {} after it", m_global_count, m_what, count));
@@ -168,11 +167,11 @@ std::vector<std::byte> Swarm<dim>::exchange(std::span<const int> leaving,
     return destination[static_cast<std::size_t>(p)] < destination[static_cast<std::size_t>(q)];
   });
   const auto bytes = static_cast<int>(m_bytes_per_point);
-  std::vector<int> send_count(static_cast<std::size_t>(petsc::world_size()), 0);
+  std::vector<int> send_count(static_cast<std::size_t>(communicator().size()), 0);
   std::vector<int> receive_count = send_count, send_start = send_count, receive_start = send_count;
   for (int p : by_rank)
     send_count[static_cast<std::size_t>(destination[static_cast<std::size_t>(p)])] += bytes;
-  MPI_Alltoall(send_count.data(), 1, MPI_INT, receive_count.data(), 1, MPI_INT, PETSC_COMM_WORLD);
+  MPI_Alltoall(send_count.data(), 1, MPI_INT, receive_count.data(), 1, MPI_INT, communicator());
   std::exclusive_scan(send_count.begin(), send_count.end(), send_start.begin(), 0);
   std::exclusive_scan(receive_count.begin(), receive_count.end(), receive_start.begin(), 0);
 
@@ -180,7 +179,7 @@ std::vector<std::byte> Swarm<dim>::exchange(std::span<const int> leaving,
   std::vector<std::byte> incoming(
       static_cast<std::size_t>(receive_start.back() + receive_count.back()));
   MPI_Alltoallv(outgoing.data(), send_count.data(), send_start.data(), MPI_BYTE, incoming.data(),
-                receive_count.data(), receive_start.data(), MPI_BYTE, PETSC_COMM_WORLD);
+                receive_count.data(), receive_start.data(), MPI_BYTE, communicator());
   return incoming;
 }
 

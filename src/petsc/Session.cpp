@@ -22,55 +22,25 @@ Session::Session(const std::vector<std::pair<std::string, std::string>>& options
   for (const auto& [name, value] : options)
     MPM_PETSC(PetscOptionsSetValue(nullptr, ("-" + name).c_str(),
                                    value.empty() ? nullptr : value.c_str()));
-  MPM_PETSC(PetscInitializeNoArguments());
-  MPM_PETSC(PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr));
-  MPI_Comm_rank(PETSC_COMM_WORLD, &m_rank);
-  MPI_Comm_size(PETSC_COMM_WORLD, &m_ranks);
+  PetscBool is_running = PETSC_FALSE;
+  MPM_PETSC(PetscInitialized(&is_running));
+  m_owns_petsc = is_running == PETSC_FALSE;
+  if (m_owns_petsc) {
+    MPM_PETSC(PetscInitializeNoArguments());  // starts MPI, and ends it, unless it runs already
+    MPM_PETSC(PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr));
+  }
+  m_rank = world_rank();
+  m_ranks = world_size();
 }
 
 Session::~Session() {
+  if (!m_owns_petsc) return;
   PetscPopErrorHandler();
   PetscFinalize();
 }
 
-int world_rank() {
-  int rank = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  return rank;
-}
-
-int world_size() {
-  int ranks = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  return ranks;
-}
-
-namespace {
-template <class Number>
-Number reduce(Number value, MPI_Datatype type, MPI_Op operation) {
-  MPI_Allreduce(MPI_IN_PLACE, &value, 1, type, operation, PETSC_COMM_WORLD);
-  return value;
-}
-}  // namespace
-
-double sum(double value) {
-  return reduce(value, MPI_DOUBLE, MPI_SUM);
-}
-double minimum(double value) {
-  return reduce(value, MPI_DOUBLE, MPI_MIN);
-}
-double maximum(double value) {
-  return reduce(value, MPI_DOUBLE, MPI_MAX);
-}
-long long sum(long long value) {
-  return reduce(value, MPI_LONG_LONG, MPI_SUM);
-}
-
-void broadcast(std::vector<int>& values) {
-  auto size = static_cast<int>(values.size());
-  MPI_Bcast(&size, 1, MPI_INT, 0, PETSC_COMM_WORLD);
-  values.resize(static_cast<std::size_t>(size));
-  MPI_Bcast(values.data(), size, MPI_INT, 0, PETSC_COMM_WORLD);
+Communicator world() {
+  return PETSC_COMM_WORLD;
 }
 
 }  // namespace mpm::petsc

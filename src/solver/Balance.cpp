@@ -2,7 +2,6 @@
 
 #include "mpm/grid/Grid.hpp"
 #include "mpm/partition/MetisBlocks.hpp"
-#include "mpm/petsc/Session.hpp"
 
 namespace mpm::solver {
 namespace {
@@ -19,29 +18,31 @@ partition::CellWork<dim> work_of(partition::CellWork<dim> particles, double empt
 
 /// What METIS says on the first rank holds on all.
 template <int dim>
-partition::Ownership<dim> common_blocks(const partition::CellWork<dim>& work,
+partition::Ownership<dim> common_blocks(const petsc::Communicator& communicator,
+                                        const partition::CellWork<dim>& work,
                                         const partition::Ownership<dim>& previous) {
   std::array<std::vector<int>, dim> starts;
   std::vector<int> ranks;
-  if (petsc::is_root()) {
-    const auto blocks = partition::metis_blocks(work, petsc::world_size(), previous);
+  if (communicator.is_root()) {
+    const auto blocks = partition::metis_blocks(work, communicator.size(), previous);
     for (int d = 0; d < dim; ++d) starts[d] = blocks.starts(d);
     ranks = blocks.ranks();
   }
-  for (auto& line : starts) petsc::broadcast(line);
-  petsc::broadcast(ranks);
+  for (auto& line : starts) communicator.broadcast(line);
+  communicator.broadcast(ranks);
   return {std::move(starts), std::move(ranks)};
 }
 
 }  // namespace
 
 template <int dim>
-Balance<dim>::Balance(const std::array<basis::NodeLine, dim>& nodes, const BalanceOptions& options)
-    : m_options(options) {
+Balance<dim>::Balance(const petsc::Communicator& communicator,
+                      const std::array<basis::NodeLine, dim>& nodes, const BalanceOptions& options)
+    : m_communicator(communicator), m_options(options) {
   for (int d = 0; d < dim; ++d) m_request.nodes[d] = nodes[d].count();
   m_request.owner_offset = nodes[0].owner_offset;
   m_request.smallest_range = grid::Grid<dim>::stencil_width(nodes[0]);
-  m_request.ranks = petsc::world_size();
+  m_request.ranks = communicator.size();
 }
 
 template <int dim>
@@ -55,7 +56,7 @@ template <int dim>
 partition::Ownership<dim> Balance<dim>::ownership(const partition::CellWork<dim>& particles,
                                                   const partition::Ownership<dim>& previous) const {
   if (m_options.method == LoadBalance::metis)
-    return common_blocks(work_of(particles, empty_cell_of_metis), previous);
+    return common_blocks(m_communicator, work_of(particles, empty_cell_of_metis), previous);
   return partition::ownership_of<dim>(ranges(particles), particles.cells, m_request.owner_offset);
 }
 

@@ -9,7 +9,6 @@
 
 #include "mpm/core/Errors.hpp"
 #include "mpm/petsc/Log.hpp"
-#include "mpm/petsc/Session.hpp"
 
 namespace mpm::solver {
 namespace {
@@ -64,7 +63,7 @@ nlohmann::json to_json(const Vector<dim>& vector) {
 
 template <int dim>
 Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
-    : m_balance(node_lines(setup), setup.balance),
+    : m_balance(setup.communicator, node_lines(setup), setup.balance),
       m_grid(make_grid(setup)),
       m_walls(setup.walls),
       m_particles(std::make_unique<particles::Particles<dim>>(
@@ -92,8 +91,9 @@ template <int dim>
 std::unique_ptr<grid::Grid<dim>> Simulation<dim>::make_grid(
     const SimulationSetup<dim>& setup) const {
   const partition::CellWork<dim> particles = seed_counts(setup);
-  auto grid = std::make_unique<grid::Grid<dim>>(node_lines(setup), m_balance.ranges(particles));
-  if (setup.balance.method != LoadBalance::ranges && petsc::world_size() > 1)
+  auto grid = std::make_unique<grid::Grid<dim>>(setup.communicator, node_lines(setup),
+                                               m_balance.ranges(particles));
+  if (setup.balance.method != LoadBalance::ranges && setup.communicator.size() > 1)
     grid->set_ownership(m_balance.ownership(particles, grid->ownership()));
   return grid;
 }
@@ -132,7 +132,7 @@ void Simulation<dim>::start_from_rest() {
 template <int dim>
 void Simulation<dim>::renew_time_step() {
   const petsc::Phase phase("mpm: time step");
-  const double transit = petsc::minimum(m_step->smallest_transit_time());
+  const double transit = communicator().minimum(m_step->smallest_transit_time());
   const double stable = m_courant * transit;
   const double previous = m_stable_dt;
   m_stable_dt = previous > 0.0 ? std::min(stable, largest_growth_of_dt * previous) : stable;
@@ -147,7 +147,7 @@ template <int dim>
 void Simulation<dim>::rebalance() {
   constexpr double worth_it = 0.98;  // of the present imbalance
   if (imbalance() <= m_balance.rebalance_above()) return;
-  const int ranks = petsc::world_size();
+  const int ranks = communicator().size();
   const partition::CellWork<dim> counts = m_particles->count_in_cells();
   partition::Ownership<dim> next = m_balance.ownership(counts, m_grid->ownership());
   if (partition::imbalance(counts, next, ranks) >
@@ -190,10 +190,9 @@ StepTimes Simulation<dim>::advance(double time, double dt) {
 namespace {
 
 /// The greatest need of any rank. Collective.
-int agreed(int mine) {
+int agreed(const petsc::Communicator& communicator, int mine) {
   const petsc::Phase phase("mpm: agree");
-  MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
-  return mine;
+  return communicator.maximum(mine);
 }
 
 }  // namespace
@@ -203,17 +202,12 @@ template <int dim>
 void Simulation<dim>::agree(const StepReport& report, const StepTimes& times) {
   enum Need { nothing, sorting, migration, stop };
   const int mine = report.broken_particle >= 0 ? stop : report.must_migrate ? migration : nothing;
-  const int all = agreed(mine);
+  const int all = agreed(communicator(), mine);
   if (all == stop) {
-    const int rank = petsc::world_rank();
-    int first = petsc::world_size();
-    if (mine == stop) first = rank;
-    MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
+    const int rank = m_grid->rank();
+    const int first = communicator().minimum(mine == stop ? rank : communicator().size());
     std::string text = rank == first ? describe(report.broken_particle, times) : "";
-    auto length = static_cast<int>(text.size());
-    MPI_Bcast(&length, 1, MPI_INT, first, PETSC_COMM_WORLD);
-    text.resize(static_cast<std::size_t>(length));
-    MPI_Bcast(text.data(), length, MPI_CHAR, first, PETSC_COMM_WORLD);
+    communicator().broadcast(text, first);
     const auto details = nlohmann::json::parse(text);
     throw NumericalFailure(details["message"].get<std::string>(), text);
   }
@@ -256,7 +250,7 @@ std::string Simulation<dim>::describe(int p, const StepTimes& times) const {
 
 template <int dim>
 double Simulation<dim>::unbalanced_force() const {
-  return petsc::sum(m_step->unbalanced_force());
+  return communicator().sum(m_step->unbalanced_force());
 }
 
 template <int dim>
@@ -273,7 +267,7 @@ double Simulation<dim>::kinetic_energy() const {
   for (int p = 0; p < view.count; ++p)
     for (int d = 0; d < dim; ++d)
       energy += 0.5 * view.mass[p] * view.velocity[d][p] * view.velocity[d][p];
-  return petsc::sum(energy);
+  return communicator().sum(energy);
 }
 
 template <int dim>
@@ -282,7 +276,7 @@ Vector<dim> Simulation<dim>::momentum() const {
   Vector<dim> sum{};
   for (int p = 0; p < view.count; ++p)
     for (int d = 0; d < dim; ++d) sum[d] += view.mass[p] * view.velocity[d][p];
-  for (double& component : sum) component = petsc::sum(component);
+  for (double& component : sum) component = communicator().sum(component);
   return sum;
 }
 
@@ -291,13 +285,13 @@ double Simulation<dim>::total_mass() const {
   const particles::ParticleView<dim> view = m_particles->view();
   double sum = 0.0;
   for (int p = 0; p < view.count; ++p) sum += view.mass[p];
-  return petsc::sum(sum);
+  return communicator().sum(sum);
 }
 
 template <int dim>
 double Simulation<dim>::imbalance() const {
-  const auto largest = petsc::maximum(static_cast<double>(m_particles->local_count()));
-  return largest * petsc::world_size() / static_cast<double>(m_particles->global_count());
+  const auto largest = communicator().maximum(static_cast<double>(m_particles->local_count()));
+  return largest * communicator().size() / static_cast<double>(m_particles->global_count());
 }
 
 template class Simulation<1>;

@@ -21,7 +21,7 @@ constexpr int repetitions = 25;
 double microseconds(int calls, const std::function<void()>& call) {
   std::vector<double> times;
   for (int k = 0; k <= repetitions; ++k) {
-    MPI_Barrier(PETSC_COMM_WORLD);
+    MPI_Barrier(petsc::world());
     const double begin = MPI_Wtime();
     for (int i = 0; i < calls; ++i) call();
     times.push_back(1e6 * petsc::maximum(MPI_Wtime() - begin) / calls);
@@ -39,9 +39,9 @@ void print(const std::string& measure, long long bytes, double time) {
 void measure_messages(int bytes) {
   std::vector<char> data(static_cast<std::size_t>(bytes));
   const int rank = petsc::world_rank(), other = 1 - rank;
-  const auto send = [&] { MPI_Send(data.data(), bytes, MPI_CHAR, other, 0, PETSC_COMM_WORLD); };
+  const auto send = [&] { MPI_Send(data.data(), bytes, MPI_CHAR, other, 0, petsc::world()); };
   const auto receive = [&] {
-    MPI_Recv(data.data(), bytes, MPI_CHAR, other, 0, PETSC_COMM_WORLD, MPI_STATUS_IGNORE);
+    MPI_Recv(data.data(), bytes, MPI_CHAR, other, 0, petsc::world(), MPI_STATUS_IGNORE);
   };
   const double both = microseconds(bytes > 100'000 ? 20 : 200, [&] {
     if (rank == 0) send();
@@ -54,7 +54,7 @@ void measure_messages(int bytes) {
 void measure_allreduce() {
   int number = 1;
   const double time = microseconds(
-      200, [&] { MPI_Allreduce(MPI_IN_PLACE, &number, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD); });
+      200, [&] { MPI_Allreduce(MPI_IN_PLACE, &number, 1, MPI_INT, MPI_MAX, petsc::world()); });
   print("allreduce", sizeof(int), time);
 }
 

@@ -33,7 +33,7 @@ double peak_memory_bytes() {
 /// Wall time, the same on all ranks.
 template <int dim>
 double seconds_of(solver::Simulation<dim>& simulation, int steps) {
-  MPI_Barrier(PETSC_COMM_WORLD);
+  petsc::world().barrier();
   const double begin = MPI_Wtime();
   for (int k = 0; k < steps; ++k) simulation.advance(0.0, simulation.plan());
   return petsc::maximum(MPI_Wtime() - begin);

@@ -81,7 +81,7 @@ std::vector<double> on_all_nodes(const grid::Grid<dim>& grid, const grid::NodalF
   grid.recorded_nodes().for_each([&](int k, const auto& node) {
     values[static_cast<std::size_t>(all.index_of(node))] = mine[static_cast<std::size_t>(k)];
   });
-  MPI_Allreduce(MPI_IN_PLACE, values.data(), all.size(), MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
+  grid.communicator().sum(values);
   return values;
 }
 

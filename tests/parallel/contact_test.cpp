@@ -94,7 +94,7 @@ struct Nodes {
     (std::make_index_sequence<static_cast<std::size_t>(dim)>{});
   }());
   std::array<basis::NodeLine, dim> lines = test::node_lines<dim>(bases);
-  grid::Grid<dim> grid{lines, test::uneven_layout<dim>(lines)};
+  grid::Grid<dim> grid{test::world(), lines, test::uneven_layout<dim>(lines)};
   grid::Walls<dim> walls{test::walls_all<dim>(Wall::free)};
   transfer::BasisDeposit<dim, test::Spline> deposit{grid, bases};
   grid::NodalField<dim> sums{grid, transfer::MassMomentumForce<dim>::components()};

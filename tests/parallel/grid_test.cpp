@@ -30,7 +30,7 @@ struct UnevenGrid {
   }
   std::array<Spline, dim> splines = test::splines<dim>(lines<dim>());
   std::array<basis::NodeLine, dim> nodes = test::node_lines<dim>(splines);
-  Grid<dim> grid{nodes, test::uneven_layout<dim>(nodes)};
+  Grid<dim> grid{test::world(), nodes, test::uneven_layout<dim>(nodes)};
 };
 
 template <int dim>
@@ -169,10 +169,8 @@ void every_cell_and_node_has_one_owner(Owners owners) {
     EXPECT_EQ(local, grid.local_index(node));
     ++nodes;
   });
-  for (long long* sum : {&cells, &nodes})
-    MPI_Allreduce(MPI_IN_PLACE, sum, 1, MPI_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
-  EXPECT_EQ(cells, grid.global_cells());
-  EXPECT_EQ(nodes, grid.nodes(0).count() * grid.nodes(1).count());
+  EXPECT_EQ(test::world().sum(cells), grid.global_cells());
+  EXPECT_EQ(test::world().sum(nodes), grid.nodes(0).count() * grid.nodes(1).count());
 }
 
 TEST(Grid, every_cell_and_node_has_one_owner_that_holds_all_nodes_of_the_cells_around) {
@@ -193,8 +191,7 @@ TEST(Grid, active_nodes_are_those_that_active_cells_reach) {
     });
     grid.for_each_active_run([&](int, int count) { in_runs += count; });
     EXPECT_EQ(active, in_runs);
-    MPI_Allreduce(MPI_IN_PLACE, &active, 1, MPI_LONG_LONG, MPI_SUM, PETSC_COMM_WORLD);
-    EXPECT_EQ(active, nodes.size());
+    EXPECT_EQ(test::world().sum(active), nodes.size());
     EXPECT_FALSE(grid.active_cells().contains({1, 4}));
     EXPECT_EQ(grid.active_cells().contains({4, 8}), grid.reachable_cells().contains({4, 8}));
   });

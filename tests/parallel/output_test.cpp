@@ -31,11 +31,11 @@ class SharedDirectory {
     if (test::world_rank() == 0) {
       EXPECT_NE(mkdtemp(path.data()), nullptr);
     }
-    MPI_Bcast(path.data(), static_cast<int>(path.size()), MPI_CHAR, 0, PETSC_COMM_WORLD);
+    MPI_Bcast(path.data(), static_cast<int>(path.size()), MPI_CHAR, 0, test::world());
     m_path = path.data();
   }
   ~SharedDirectory() {
-    MPI_Barrier(PETSC_COMM_WORLD);
+    test::world().barrier();
     if (test::world_rank() == 0) std::filesystem::remove_all(m_path);
   }
   std::string path(const std::string& name) const { return m_path + "/" + name; }

@@ -46,6 +46,6 @@ int main(int argc, char** argv) {
     return mpm::petsc::maximum(static_cast<double>(mine)) > 0.0 ? 1 : 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rank %d: unexpected exception: %s\n", session.rank(), error.what());
-    MPI_Abort(PETSC_COMM_WORLD, 1);
+    MPI_Abort(mpm::petsc::world(), 1);
   }
 }

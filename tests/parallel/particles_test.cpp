@@ -77,7 +77,7 @@ struct Swarm {
     particles.add(seeds_of<dim>(grid.owned_cells(), filling));
   }
   std::array<basis::NodeLine, dim> nodes = test::node_lines<dim>(test::splines<dim>(lines<dim>()));
-  grid::Grid<dim> grid{nodes, test::uneven_layout<dim>(nodes)};
+  grid::Grid<dim> grid{test::world(), nodes, test::uneven_layout<dim>(nodes)};
   Particles<dim> particles{grid, two_materials(), {.velocity_gradient = true}};
 };
 
@@ -309,7 +309,7 @@ struct Layers {
   }
   int silt, clay;
   std::array<basis::NodeLine, 2> nodes = test::node_lines<2>(test::splines<2>(lines<2>()));
-  grid::Grid<2> grid{nodes, test::uneven_layout<2>(nodes)};
+  grid::Grid<2> grid{test::world(), nodes, test::uneven_layout<2>(nodes)};
   Particles<2> particles;
 };
 

@@ -73,7 +73,7 @@ struct World {
   }
 
   std::array<Basis, dim> basis = bases<dim, Basis>();
-  grid::Grid<dim> grid{nodes_of<dim, Basis>(basis),
+  grid::Grid<dim> grid{test::world(), nodes_of<dim, Basis>(basis),
                        test::uneven_layout<dim>(nodes_of<dim, Basis>(basis))};
   particles::Particles<dim> particles{grid, {test::elastic()}};
   grid::NodalField<dim> sums{grid, MassMomentumForce<dim>::components()};

@@ -98,6 +98,7 @@ template <int dim>
 solver::SimulationSetup<dim> full_box(const std::array<basis::KnotLines, dim>& lines,
                                       grid::Wall wall, int per_direction = 2) {
   solver::SimulationSetup<dim> setup{.lines = lines};
+  setup.communicator = world();
   setup.walls = walls_all<dim>(wall);
   setup.materials = {elastic()};
   setup.filling = {[](const auto&) { return 0; },

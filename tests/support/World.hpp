@@ -1,49 +1,56 @@
 #pragma once
 
-#include <petscsys.h>
-
 #include <algorithm>
 #include <vector>
 
 #include "mpm/particles/Particles.hpp"
+#include "mpm/petsc/Session.hpp"
 
 namespace mpm::test {
 
+/// The ranks that a test builds its grids and setups on.
+inline petsc::Communicator& world() {
+  static petsc::Communicator current = petsc::world();
+  return current;
+}
+
 inline int world_rank() {
-  int rank = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  return rank;
+  return world().rank();
 }
-
 inline int world_size() {
-  int ranks = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  return ranks;
+  return world().size();
 }
 
-/// While it lives every rank is a world of its own: what is built and run meanwhile is the serial
-/// reference for the run on all ranks.
-class SerialWorld {
+/// While it lives the world of the tests is another one. Real sums of petsc:: go over all still.
+class OtherWorld {
  public:
-  SerialWorld() : m_world(PETSC_COMM_WORLD) { PETSC_COMM_WORLD = PETSC_COMM_SELF; }
-  ~SerialWorld() { PETSC_COMM_WORLD = m_world; }
-  SerialWorld(const SerialWorld&) = delete;
-  SerialWorld& operator=(const SerialWorld&) = delete;
+  explicit OtherWorld(const petsc::Communicator& other) : m_before(world()) { world() = other; }
+  ~OtherWorld() { world() = m_before; }
+  OtherWorld(const OtherWorld&) = delete;
+  OtherWorld& operator=(const OtherWorld&) = delete;
 
  private:
-  MPI_Comm m_world;
+  petsc::Communicator m_before;
+};
+
+/// Every rank is a world of its own: what is built and run meanwhile is the serial reference for
+/// the run on all ranks.
+class SerialWorld : public OtherWorld {
+ public:
+  SerialWorld() : OtherWorld(PETSC_COMM_SELF) {}
 };
 
 /// The values of all ranks, one rank after another, on every rank. Collective.
 template <class Value>
-std::vector<Value> of_all_ranks(const std::vector<Value>& mine) {
+std::vector<Value> of_all_ranks(const std::vector<Value>& mine,
+                                const petsc::Communicator& communicator = world()) {
   const auto bytes = static_cast<int>(mine.size() * sizeof(Value));
-  std::vector<int> sizes(static_cast<std::size_t>(world_size())), starts(sizes);
-  MPI_Allgather(&bytes, 1, MPI_INT, sizes.data(), 1, MPI_INT, PETSC_COMM_WORLD);
+  std::vector<int> sizes(static_cast<std::size_t>(communicator.size())), starts(sizes);
+  MPI_Allgather(&bytes, 1, MPI_INT, sizes.data(), 1, MPI_INT, communicator);
   for (std::size_t r = 1; r < sizes.size(); ++r) starts[r] = starts[r - 1] + sizes[r - 1];
   std::vector<Value> all(static_cast<std::size_t>(starts.back() + sizes.back()) / sizeof(Value));
   MPI_Allgatherv(mine.data(), bytes, MPI_BYTE, all.data(), sizes.data(), starts.data(), MPI_BYTE,
-                 PETSC_COMM_WORLD);
+                 communicator);
   return all;
 }
 
@@ -73,7 +80,7 @@ std::vector<Snapshot<dim>> snapshots(const particles::Particles<dim>& particles)
       mine.push_back(one);
     }
   }
-  std::vector<Snapshot<dim>> all = of_all_ranks(mine);
+  std::vector<Snapshot<dim>> all = of_all_ranks(mine, particles.communicator());
   std::ranges::sort(all, {}, &Snapshot<dim>::id);
   return all;
 }

@@ -3,6 +3,7 @@
 #include "mpm/contact/RigidBody.hpp"
 #include "mpm/particles/BoundaryParticles.hpp"
 #include "mpm/particles/Particles.hpp"
+#include "mpm/petsc/Session.hpp"
 
 namespace mpm::contact {
 
@@ -31,8 +32,9 @@ class ContourReaction {
   void sample_surface(const particles::BoundaryView<dim>& boundary, const RigidBody<dim>& body,
                       double dt);
 
-  /// Mean reaction since the last call, N (per metre in plane strain). Collective.
-  Vector<dim> take_mean();
+  /// Mean reaction since the last call, N (per metre in plane strain), over the ranks that have the
+  /// particles. Collective.
+  Vector<dim> take_mean(const petsc::Communicator& communicator = petsc::world());
 
  private:
   double share_of_band(double distance) const {

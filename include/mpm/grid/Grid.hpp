@@ -9,6 +9,7 @@
 #include "mpm/core/Tensor.hpp"
 #include "mpm/grid/Box.hpp"
 #include "mpm/partition/Layout.hpp"
+#include "mpm/petsc/Communicator.hpp"
 #include "mpm/petsc/Handle.hpp"
 
 namespace mpm::grid {
@@ -23,13 +24,16 @@ class Grid {
  public:
   using Index = std::array<int, dim>;
 
-  /// Cells are owned as the ranges of nodes say. Collective.
-  Grid(const std::array<basis::NodeLine, dim>& nodes, const partition::Layout<dim>& ranges);
+  /// Cells are owned as the ranges of nodes say, by the ranks of the communicator. Collective, and
+  /// so is all else that is built on the grid over the same ranks.
+  Grid(const petsc::Communicator& communicator, const std::array<basis::NodeLine, dim>& nodes,
+       const partition::Layout<dim>& ranges);
   Grid(const Grid&) = delete;
   Grid& operator=(const Grid&) = delete;
 
   const basis::NodeLine& nodes(int d) const { return m_nodes[d]; }
   DM dm() const { return m_dm; }
+  const petsc::Communicator& communicator() const { return m_communicator; }
 
   /// Gives cells and nodes to other ranks; the same on all. Nodal fields start anew when they are
   /// used next, particles have to migrate before. Local.
@@ -146,6 +150,7 @@ class Grid {
   void find_active_runs();
   void connect_record() const;
 
+  petsc::Communicator m_communicator;
   std::array<basis::NodeLine, dim> m_nodes;
   int m_rank, m_ranks;
   petsc::DmHandle m_dm;

@@ -23,7 +23,7 @@ class FieldOutput {
  public:
   explicit FieldOutput(std::string directory);
 
-  /// Collective.
+  /// Collective over the ranks of the grid.
   void write(const Moment& moment, const particles::Particles<dim>& particles,
              const grid::Grid<dim>& grid, const grid::NodalField<dim>& mass_and_momentum);
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "mpm/petsc/Communicator.hpp"
+
 namespace mpm::io {
 
 /// What a dataset is. Readers find the rest as its attributes long_name and units.
@@ -15,12 +17,12 @@ struct Dataset {
   std::string unit;       ///< SI, "1" when dimensionless
 };
 
-/// An HDF5 file that all ranks write together. It is written as `path.part` and gets its name
-/// when closed, so that a file of that name is always whole. All calls are collective; failures
-/// throw NumericalFailure on all ranks.
+/// An HDF5 file that the ranks of a communicator write together. It is written as `path.part` and
+/// gets its name when closed, so that a file of that name is always whole. All calls are
+/// collective; failures throw NumericalFailure on all ranks.
 class Hdf5File {
  public:
-  explicit Hdf5File(std::string path);
+  Hdf5File(std::string path, const petsc::Communicator& communicator);
   ~Hdf5File();
   Hdf5File(const Hdf5File&) = delete;
   Hdf5File& operator=(const Hdf5File&) = delete;
@@ -48,6 +50,7 @@ class Hdf5File {
   void check(bool ok, const std::string& what) const;
 
   std::string m_path;
+  petsc::Communicator m_communicator;
   hid_t m_file = H5I_INVALID_HID;
 };
 

@@ -1,36 +1,44 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
-
-#include <nlohmann/json.hpp>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "mpm/options/OptionSet.hpp"
+#include "mpm/petsc/Session.hpp"
 
 namespace mpm::io {
 
-/// The flat summary of a run: every answer a top-level key of the vocabulary, see Vocabulary.hpp.
+/// The flat summary of a run: every answer a key of the vocabulary (see
+/// Vocabulary.hpp), in the order in which they were first set.
 class Summary {
  public:
-  template <class Value>
-  void set(const std::string& key, const Value& value) {
-    m_values[declared(key)] = value;
-  }
-  bool has(const std::string& key) const { return m_values.contains(key); }
-  double number(const std::string& key) const { return m_values.at(key).get<double>(); }
+  using Value =
+      std::variant<double, std::int64_t, std::uint64_t, bool, std::string, std::vector<double>>;
+
+  /// Throws std::logic_error for a key that the vocabulary does not have.
+  void set(const std::string& key, Value value);
+  bool has(const std::string& key) const { return find(key) != nullptr; }
+  /// Throws std::out_of_range if there is no number of that name.
+  double number(const std::string& key) const;
 
   /// Adds every option as "option_NAME", numbers as numbers.
   void add_options(const options::OptionSet& options);
 
   /// Readable text of one entry; "" if there is none.
   std::string text(const std::string& key) const;
+  /// All entries as a JSON object; a number that is none becomes null.
+  std::string json() const;
   /// Writes DIRECTORY/summary.json. Collective.
-  void write(const std::string& directory) const;
+  void write(const std::string& directory,
+             const petsc::Communicator& communicator = petsc::world()) const;
 
  private:
-  /// The key itself. Throws std::logic_error where the vocabulary does not have it.
-  static const std::string& declared(const std::string& key);
+  const Value* find(const std::string& key) const;
 
-  nlohmann::ordered_json m_values;
+  std::vector<std::pair<std::string, Value>> m_values;
 };
 
 }  // namespace mpm::io

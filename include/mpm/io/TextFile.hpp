@@ -4,34 +4,43 @@
 #include <string>
 #include <vector>
 
+#include "mpm/petsc/Session.hpp"
+
 namespace mpm::io {
 
-/// Makes a directory with its parents. Collective; throws BadInput on all ranks if it cannot.
-void make_directory(const std::string& path);
+// All of these are collective over the ranks of the communicator; the first of them does the work.
 
-/// Removes the results of an earlier run from a directory, and nothing else. Collective.
-void remove_results(const std::string& directory);
+/// Makes a directory with its parents. Throws BadInput on all ranks if it cannot.
+void make_directory(const std::string& path,
+                    const petsc::Communicator& communicator = petsc::world());
 
-/// Writes a file as `path.part` and renames it; rank 0 does it, all ranks learn of a failure and
-/// throw NumericalFailure. Collective.
-void write_text_file(const std::string& path, const std::string& text);
+/// Removes the results of an earlier run from a directory, and nothing else.
+void remove_results(const std::string& directory,
+                    const petsc::Communicator& communicator = petsc::world());
 
-/// A table of numbers, 17 digits each, written row by row by rank 0.
+/// Writes a file as `path.part` and renames it; all ranks learn of a failure and throw
+/// NumericalFailure.
+void write_text_file(const std::string& path, const std::string& text,
+                     const petsc::Communicator& communicator = petsc::world());
+
+/// A table of numbers, 17 digits each, written row by row.
 class CsvFile {
  public:
-  /// Collective; replaces an older file.
-  CsvFile(std::string path, const std::vector<std::string>& columns);
+  /// Replaces an older file.
+  CsvFile(std::string path, const std::vector<std::string>& columns,
+          const petsc::Communicator& communicator = petsc::world());
   ~CsvFile();
   CsvFile(const CsvFile&) = delete;
   CsvFile& operator=(const CsvFile&) = delete;
 
-  /// Collective: a row that cannot be written stops all ranks.
+  /// A row that cannot be written stops all ranks.
   void row(const std::vector<double>& values);
 
  private:
   void check(bool ok) const;
 
   std::string m_path;
+  petsc::Communicator m_communicator;
   std::FILE* m_file = nullptr;
 };
 

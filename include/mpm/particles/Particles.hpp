@@ -56,6 +56,7 @@ class ParticleView {
                const MemberHandles<dim>& members);
 
   int count = 0;
+  int rank = 0;  ///< that has these particles
   std::array<double*, dim> position, velocity, displacement;
   double* mass = nullptr;
   double* volume = nullptr;
@@ -132,6 +133,7 @@ class Particles {
   /// Particles of all ranks in every cell of the grid. Collective.
   partition::CellWork<dim> count_in_cells() const;
 
+  const petsc::Communicator& communicator() const { return m_swarm.communicator(); }
   int local_count() const { return m_swarm.local_count(); }
   long long global_count() const { return m_swarm.global_count(); }
   const Materials& materials() const { return m_materials; }

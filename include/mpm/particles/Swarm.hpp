@@ -55,6 +55,7 @@ class Swarm {
   Swarm(const grid::Grid<dim>& grid, std::string what, std::span<const Column> columns);
 
   DM dm() const { return m_swarm; }
+  const petsc::Communicator& communicator() const { return m_grid.communicator(); }
   int local_count() const;
   long long global_count() const { return m_global_count; }
   std::size_t bytes_per_point() const { return m_bytes_per_point; }

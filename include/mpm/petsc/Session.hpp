@@ -6,13 +6,16 @@
 #include <utility>
 #include <vector>
 
+#include "mpm/petsc/Communicator.hpp"
+
 namespace mpm::petsc {
 
-/// PETSc and MPI from construction to destruction.
+/// PETSc and MPI from construction to destruction, as far as the caller has not started them: what
+/// runs already is left running, with the caller's own handler of PETSc's errors.
 class Session {
  public:
   /// `options` are PETSc's own, names without the dash. Collective over all processes.
-  explicit Session(const std::vector<std::pair<std::string, std::string>>& options);
+  explicit Session(const std::vector<std::pair<std::string, std::string>>& options = {});
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -21,25 +24,36 @@ class Session {
   int ranks() const { return m_ranks; }
 
  private:
+  bool m_owns_petsc = false;
   int m_rank = 0;
   int m_ranks = 1;
 };
 
-/// Of the world.
-int world_rank();
-int world_size();
+/// All processes, PETSC_COMM_WORLD: for programs. Whatever has a grid asks the grid.
+Communicator world();
+
+inline int world_rank() {
+  return world().rank();
+}
+inline int world_size() {
+  return world().size();
+}
 inline bool is_root() {
-  return world_rank() == 0;
+  return world().is_root();
 }
 
-/// Sum, minimum and maximum over all ranks of the world. Collective; the order of summation
-/// depends on the number of ranks only.
-double sum(double value);
-double minimum(double value);
-double maximum(double value);
-long long sum(long long value);
-
-/// Makes the numbers of the first rank those of all. Collective.
-void broadcast(std::vector<int>& values);
+/// Sum, minimum and maximum over all ranks of the world. Collective.
+inline double sum(double value) {
+  return world().sum(value);
+}
+inline double minimum(double value) {
+  return world().minimum(value);
+}
+inline double maximum(double value) {
+  return world().maximum(value);
+}
+inline long long sum(long long value) {
+  return world().sum(value);
+}
 
 }  // namespace mpm::petsc

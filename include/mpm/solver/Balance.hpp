@@ -2,6 +2,7 @@
 
 #include "mpm/basis/BSpline.hpp"
 #include "mpm/partition/Layout.hpp"
+#include "mpm/petsc/Communicator.hpp"
 
 namespace mpm::solver {
 
@@ -24,7 +25,8 @@ struct BalanceOptions {
 template <int dim>
 class Balance {
  public:
-  Balance(const std::array<basis::NodeLine, dim>& nodes, const BalanceOptions& options);
+  Balance(const petsc::Communicator& communicator, const std::array<basis::NodeLine, dim>& nodes,
+          const BalanceOptions& options);
 
   /// Balanced ranges. Throws BadInput if the grid is too small for so many ranks. Local.
   partition::Layout<dim> ranges(const partition::CellWork<dim>& particles) const;
@@ -37,6 +39,7 @@ class Balance {
   double rebalance_above() const { return m_options.rebalance_above; }
 
  private:
+  petsc::Communicator m_communicator;
   partition::LayoutRequest<dim> m_request;  ///< without work
   BalanceOptions m_options;
 };

@@ -13,6 +13,7 @@
 #include "mpm/particles/BoundaryParticles.hpp"
 #include "mpm/particles/Particles.hpp"
 #include "mpm/particles/Seeding.hpp"
+#include "mpm/petsc/Session.hpp"
 #include "mpm/solver/Balance.hpp"
 #include "mpm/solver/Step.hpp"
 #include "mpm/solver/StepTimes.hpp"
@@ -36,6 +37,8 @@ struct SimulationSetup {
   double flip_time = std::numeric_limits<double>::infinity();  ///< s, see StepOptions
   bool averages_volume = false;                                ///< see StepOptions
   BalanceOptions balance;
+  /// The ranks that share the run; the caller's, see petsc::Communicator.
+  petsc::Communicator communicator = petsc::world();
 };
 
 /// Grid, particles and step of one run. What time it is, the run knows: see run/Clock.hpp.
@@ -75,6 +78,7 @@ class Simulation {
 
   /// Steps taken so far.
   long long steps() const { return m_steps; }
+  const petsc::Communicator& communicator() const { return m_grid->communicator(); }
   const grid::Grid<dim>& grid() const { return *m_grid; }
   const grid::Walls<dim>& walls() const { return m_walls; }
   particles::Particles<dim>& particles() { return *m_particles; }
