@@ -70,7 +70,7 @@ TEST(Affine, linear_velocities_are_carried_with_their_gradient_by_every_basis_an
   for (const Scheme scheme : {Scheme::musl, Scheme::usl, Scheme::usf})
     test::for_every_basis([&](basis::Kind kind) {
       test::TimedSimulation<2> simulation(free_block(kind, scheme, Transfer::apic));
-      simulation.add_condition(std::make_shared<test::PrescribedGradient<2>>(L));
+      simulation.add_constraint(std::make_shared<test::PrescribedGradient<2>>(L));
       test::run_steps(simulation, 1, 1e-6);
       const auto view = simulation.particles().view();
       for (int p = 0; p < view.count; ++p)

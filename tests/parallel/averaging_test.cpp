@@ -47,7 +47,7 @@ TEST(Averaging, keeps_a_uniform_volume_change) {
   test::TimedSimulation<2> plain(box(false, grid::Wall::free)),
       averaged(box(true, grid::Wall::free));
   for (auto* simulation : {&plain, &averaged}) {
-    simulation->add_condition(std::make_shared<test::PrescribedGradient<2>>(
+    simulation->add_constraint(std::make_shared<test::PrescribedGradient<2>>(
         test::Gradient<2>{{{0.7, 0.0}, {0.0, -0.2}}}));
     test::set_velocity<2>(*simulation, swell);
     test::run_steps(*simulation, 3, 1e-4);

@@ -205,15 +205,15 @@ Outcome<2> pushed_block(LoadBalance method) {
   for (int k = 0; k < 24; ++k)
     top.push_back({{0.225 + 0.05 * k, 1.375}, {0.0, 0.025}, {0.0, 0.05}, 2.0});
   simulation.boundary().add(top);
-  const contact::RigidBody<2> plane{
-      std::make_shared<contact::HalfSpace<2>>(Vector<2>{1.0, 0.0}), {0.16, 0.0}, {0.1, 0.0}};
+  const auto plane =
+      test::rigid_body<2>(contact::HalfSpace<2>({1.0, 0.0}), {0.16, 0.0}, {0.1, 0.0});
   const auto contact = std::make_shared<contact::RigidContact<2>>(
       simulation.grid(), simulation.walls(), simulation.step().point_deposit(), plane,
       contact::ContactOptions{.friction = 0.3, .reference_density = test::soft.density});
-  simulation.add_condition(contact);
+  simulation.add_constraint(contact);
   for (int k = 0; k < 150; ++k) {
     simulation.advance();
-    contact->body().position[0] += simulation.times.dt * plane.velocity[0];
+    plane->end_step(simulation.times.dt, simulation.times.momentum_dt());
   }
   return outcome_of(simulation, 10, 5);
 }

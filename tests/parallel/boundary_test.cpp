@@ -301,7 +301,7 @@ Errors following(basis::Kind kind, const Gradient<dim>& L, int steps) {
   };
   setup.materials = {test::elastic({.youngs_modulus = 1.0, .poisson_ratio = 0.1, .density = 900})};
   test::TimedSimulation<dim> simulation(setup);
-  simulation.add_condition(std::make_shared<test::PrescribedGradient<dim>>(L));
+  simulation.add_constraint(std::make_shared<test::PrescribedGradient<dim>>(L));
   Pieces<dim> pieces = scattered<dim>(11);
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     for (double& component : pieces[k].anchor)  // on a particle

@@ -54,7 +54,7 @@ TEST(Surface, half_space_lies_behind_its_normal) {
 }
 
 TEST(Surface, a_moved_body_takes_its_surface_with_it) {
-  const RigidBody<2> body{std::make_shared<Ball<2>>(0.7), {2.0, -1.0}};
+  const RigidBody<2> body(std::make_shared<Ball<2>>(0.7), {2.0, -1.0});
   EXPECT_NEAR(body.locate({2.9, -2.2}).distance, 0.8, 1e-15);
   EXPECT_NEAR(body.locate({2.9, -2.2}).normal[1], -0.8, 1e-15);
 }
@@ -66,16 +66,19 @@ constexpr double h = 0.1, density = 1300.0;
 /// A grid with mass and momentum on its nodes, and a rigid body.
 template <int dim>
 struct Nodes {
-  explicit Nodes(const RigidBody<dim>& body, const ContactOptions& options)
+  Nodes(const std::shared_ptr<RigidBody<dim>>& body, const ContactOptions& options)
       : contact(grid, walls, deposit, body, options) {
     grid.for_each_owned_node([&](int I, const auto&) { sums.values(0)[I] = m; });
   }
 
   void correct() {
-    contact.begin_step();
+    contact.find_nodes();
     transfer::MassMomentumForce<dim> slices(sums);
-    contact.correct(grid, {slices.mass, slices.momentum, slices.force, dt});
+    grid::ConstrainedNodes<dim> nodes(slices.mass, slices.momentum, slices.force, dt);
+    nodes.book_on(contact.booking());
+    contact.constrain(grid, nodes);
   }
+  Vector<dim> take_impulse() { return contact.body().meter().take_impulse(); }
   Vector<dim> momentum(int I) const { return at(1, I); }
   Vector<dim> force(int I) const { return at(1 + dim, I); }
   Vector<dim> at(int first, int I) const {
@@ -121,8 +124,9 @@ Vector<dim> after_contact(Vector<dim> relative, const Vector<dim>& n, double mu)
 }
 
 template <int dim>
-void touching_nodes_obey_coulomb(const RigidBody<dim>& body, double mu) {
-  Nodes<dim> nodes(body, {.gap_cells = 0.6, .friction = mu, .reference_density = density});
+void touching_nodes_obey_coulomb(const std::shared_ptr<RigidBody<dim>>& the_body, double mu) {
+  const RigidBody<dim>& body = *the_body;
+  Nodes<dim> nodes(the_body, {.gap_cells = 0.6, .friction = mu, .reference_density = density});
   const double m = nodes.m, dt = Nodes<dim>::dt;
   nodes.grid.for_each_owned_node([&](int I, const auto&) {
     const Vector<dim> v = any_velocity<dim>(I);
@@ -143,7 +147,7 @@ void touching_nodes_obey_coulomb(const RigidBody<dim>& body, double mu) {
       for (int d = 0; d < dim; ++d) expected[d] = after[d] + body.velocity[d];
       ++(length<dim>(after) > 0.0 ? sliding : stuck);
     }
-    EXPECT_EQ(nodes.contact.acts_on(I), closes);
+    EXPECT_EQ(nodes.contact.booking().has_acted_on(I), closes);
     for (int d = 0; d < dim; ++d) {
       EXPECT_NEAR(nodes.momentum(I)[d], m * expected[d], 1e-14 * m);
       EXPECT_NEAR(nodes.force(I)[d], m * (expected[d] - before[d]) / dt, 1e-14 * m / dt);
@@ -152,47 +156,92 @@ void touching_nodes_obey_coulomb(const RigidBody<dim>& body, double mu) {
   });
   EXPECT_GT(petsc::sum(static_cast<long long>(sliding)), 0);
   EXPECT_EQ(petsc::sum(static_cast<long long>(stuck)) > 0, mu > 0.0);
-  const Vector<dim> taken = nodes.contact.take_impulse();
+  const Vector<dim> taken = nodes.take_impulse();
   for (int d = 0; d < dim; ++d) EXPECT_NEAR(taken[d], impulse[d], 1e-12 * m);
-  EXPECT_EQ(length<dim>(nodes.contact.take_impulse()), 0.0);  // once only
+  EXPECT_EQ(length<dim>(nodes.take_impulse()), 0.0);  // once only
 }
 
 TEST(Contact, touching_nodes_obey_coulomb_exactly) {
   for (double mu : {0.0, 0.43}) {
     touching_nodes_obey_coulomb<2>(
-        {std::make_shared<HalfSpace<2>>(Vector<2>{-0.28, 0.96}), {0.7, 0.62}, {0.2, -0.3}}, mu);
-    touching_nodes_obey_coulomb<2>({std::make_shared<Ball<2>>(0.33), {0.61, 0.58}, {0.1, -0.4}},
+        test::rigid_body<2>(HalfSpace<2>({-0.28, 0.96}), {0.7, 0.62}, {0.2, -0.3}), mu);
+    touching_nodes_obey_coulomb<2>(test::rigid_body<2>(Ball<2>(0.33), {0.61, 0.58}, {0.1, -0.4}),
                                    mu);
     touching_nodes_obey_coulomb<3>(
-        {std::make_shared<Ball<3>>(0.41), {0.61, 0.58, 0.66}, {0.1, -0.4, 0.2}}, mu);
+        test::rigid_body<3>(Ball<3>(0.41), {0.61, 0.58, 0.66}, {0.1, -0.4, 0.2}), mu);
   }
 }
 
 TEST(Contact, second_mapping_corrects_velocity_and_leaves_no_impulse) {
-  const RigidBody<2> plane{
-      std::make_shared<HalfSpace<2>>(Vector<2>{0.0, 1.0}), {0.0, 0.62}, {0.0, 0.25}};
+  const auto plane = test::rigid_body<2>(HalfSpace<2>({0.0, 1.0}), {0.0, 0.62}, {0.0, 0.25});
   Nodes<2> nodes(plane, {.friction = 0.43, .reference_density = density});
   transfer::MassMomentumForce<2> slices(nodes.sums);
-  nodes.contact.begin_step();
-  nodes.contact.correct(nodes.grid, {slices.mass, slices.momentum});  // at rest, the plane rises
+  nodes.contact.find_nodes();
+  grid::ConstrainedNodes<2> second(slices.mass, slices.momentum);
+  second.book_on(nodes.contact.booking());
+  nodes.contact.constrain(nodes.grid, second);  // at rest, the plane rises
   nodes.grid.for_each_owned_node([&](int I, const auto& node) {
     const bool touches = nodes.grid.position(node)[1] <= 0.62 + 0.06;
     EXPECT_NEAR(nodes.momentum(I)[1], touches ? 0.25 * nodes.m : 0.0, 1e-14 * nodes.m);
     EXPECT_EQ(nodes.force(I)[1], 0.0);
-    EXPECT_FALSE(nodes.contact.acts_on(I));
+    EXPECT_FALSE(nodes.contact.booking().has_acted_on(I));
   });
-  EXPECT_EQ(length<2>(nodes.contact.take_impulse()), 0.0);
+  EXPECT_EQ(length<2>(nodes.take_impulse()), 0.0);
+}
+
+TEST(RigidBody, moves_and_turns_as_its_motion_says) {
+  struct Turn : Motion<2> {
+    BodyVelocity<2> at(double time) const override { return {{0.3, -0.2 * time}, 0.7}; }
+  };
+  RigidBody<2> body(std::make_shared<HalfSpace<2>>(Vector<2>{0.0, 1.0}), {1.0, 2.0},
+                    std::make_shared<Turn>());
+  body.begin_step(1.5, 0.4);
+  EXPECT_EQ(body.velocity, (Vector<2>{0.3, -0.2 * 1.7}));
+  EXPECT_NEAR(body.velocity_at({0.5, -0.1})[0], 0.3 + 0.07, 1e-15);
+  EXPECT_NEAR(body.velocity_at({0.5, -0.1})[1], -0.34 + 0.35, 1e-15);
+  body.end_step(0.4, 0.4);
+  EXPECT_NEAR(body.position[0], 1.12, 1e-15);
+  EXPECT_NEAR(body.angle, 0.28, 1e-15);
+  const Proximity<2> place = body.locate({1.12, 2.0 - 0.136 + 0.5});
+  EXPECT_NEAR(place.distance, 0.5 * std::cos(0.28), 1e-14);
+  EXPECT_NEAR(place.normal[0], -std::sin(0.28), 1e-15);
+}
+
+TEST(RigidBody, meter_gives_force_and_moment_over_its_own_time) {
+  const auto plane = test::rigid_body<2>(HalfSpace<2>({0.0, 1.0}), {0.35, 0.62}, {0.0, 0.25});
+  Nodes<2> nodes(plane, {.reference_density = density});
+  nodes.correct();  // lifts the nodes at rest
+  Vector<2> impulse{};
+  double moment = 0.0;
+  nodes.grid.for_each_owned_node([&](int I, const auto& node) {
+    impulse[1] -= nodes.momentum(I)[1];
+    moment -= (nodes.grid.position(node)[0] - 0.35) * nodes.momentum(I)[1];
+  });
+  plane->end_step(0.0, 0.4);
+  plane->end_step(0.0, 0.1);
+  const BodyForce<2> mean = plane->meter().take_mean();
+  const double scale = std::abs(petsc::sum(impulse[1]));
+  EXPECT_GT(scale, 0.0);
+  EXPECT_NEAR(mean.force[1], petsc::sum(impulse[1]) / 0.5, 1e-13 * scale);
+  EXPECT_NEAR(mean.moment, petsc::sum(moment) / 0.5, 1e-13 * scale);
+  EXPECT_EQ(plane->meter().take_mean().force[1], 0.0);
+}
+
+TEST(Friction, a_rough_surface_lets_nothing_slide) {
+  const auto law = make_friction<3>(1, {.coefficient = 0.2});
+  const Vector<3> relative{0.3, -0.4, 1.2};
+  EXPECT_EQ(friction_kinds()[1].name, "rough");
+  EXPECT_EQ(law->velocity_change(relative, {0.0, 1.0, 0.0}), (Vector<3>{-0.3, 0.4, -1.2}));
 }
 
 TEST(Contact, nodes_with_next_to_no_mass_take_no_part) {
-  const RigidBody<2> plane{
-      std::make_shared<HalfSpace<2>>(Vector<2>{0.0, 1.0}), {0.0, 0.62}, {0.0, 0.25}};
+  const auto plane = test::rigid_body<2>(HalfSpace<2>({0.0, 1.0}), {0.0, 0.62}, {0.0, 0.25});
   for (double share : {0.9e-9, 1.1e-9}) {
     Nodes<2> nodes(plane, {.reference_density = density});
     nodes.grid.for_each_owned_node(
         [&](int I, const auto&) { nodes.sums.values(0)[I] = share * nodes.m; });
     nodes.correct();
-    EXPECT_EQ(petsc::maximum(length<2>(nodes.contact.take_impulse())) > 0.0, share > 1e-9);
+    EXPECT_EQ(petsc::maximum(length<2>(nodes.take_impulse())) > 0.0, share > 1e-9);
   }
 }
 
@@ -212,20 +261,20 @@ std::vector<Vector<2>> points_of_circle(double radius, double spacing) {
 
 TEST(Contact, gradient_normals_of_a_circle_are_radial) {
   const double radius = 0.41, spacing = 0.25 * h;
-  const RigidBody<2> circle{std::make_shared<Ball<2>>(radius), {0.63, 0.67}};
+  const auto circle = test::rigid_body<2>(Ball<2>(radius), {0.63, 0.67});
   Nodes<2> nodes(circle, {.detection = Detection::gap,
                           .normal = Normal::gradient,
                           .gap_cells = 0.6,
                           .reference_density = density});
   nodes.contact.discretise(points_of_circle(radius, spacing), spacing * spacing);
   nodes.grid.for_each_owned_node([&](int I, const auto& node) {
-    const Proximity<2> near = circle.locate(nodes.grid.position(node));
+    const Proximity<2> near = circle->locate(nodes.grid.position(node));
     for (int d : {0, 1}) nodes.sums.values(1 + d)[I] = -nodes.m * near.normal[d];
   });
   nodes.correct();
   int count = 0;
   nodes.grid.for_each_owned_node([&](int I, const auto& node) {
-    const Proximity<2> near = circle.locate(nodes.grid.position(node));
+    const Proximity<2> near = circle->locate(nodes.grid.position(node));
     if (std::abs(near.distance) > 0.6 * h) return;
     Vector<2> change = nodes.momentum(I);
     for (int d : {0, 1}) change[d] += nodes.m * near.normal[d];
@@ -245,15 +294,14 @@ struct BlockOnPlane {
   BlockOnPlane(double plane_height, ContactOptions options, double gravity)
       : simulation(setup(gravity)) {
     options.reference_density = test::soft.density;
-    const RigidBody<2> plane{std::make_shared<HalfSpace<2>>(Vector<2>{0.0, 1.0}),
-                             {0.0, plane_height}};
+    const auto plane = test::rigid_body<2>(HalfSpace<2>({0.0, 1.0}), {0.0, plane_height});
     contact = std::make_shared<RigidContact<2>>(simulation.grid(), simulation.walls(),
                                                 simulation.step().point_deposit(), plane, options);
     std::vector<Vector<2>> points;
     for (int j = 0; j < 8; ++j)
       for (int i = 0; i < 28; ++i) points.push_back({(i + 0.5) * 0.5 * h, -(j + 0.5) * 0.5 * h});
     contact->discretise(points, 0.25 * h * h);
-    simulation.add_condition(contact);
+    simulation.add_constraint(contact);
   }
 
   static solver::SimulationSetup<2> setup(double gravity) {
@@ -275,7 +323,7 @@ struct BlockOnPlane {
 
   /// Sum over the ranks.
   Vector<2> take_impulse() {
-    Vector<2> impulse = contact->take_impulse();
+    Vector<2> impulse = contact->body().meter().take_impulse();
     for (double& component : impulse) component = petsc::sum(component);
     return impulse;
   }

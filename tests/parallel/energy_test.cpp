@@ -45,7 +45,9 @@ TEST(EnergyMeter, total_energy_of_a_vibrating_bar_stays) {
   double largest = 0.0;
   while (simulation.time() < 2.0 * side / wave_speed) {
     simulation.advance();
-    largest = std::max(largest, std::abs(meter.after_step(simulation.time()).total() / meter.start().total() - 1.0));
+    largest = std::max(
+        largest,
+        std::abs(meter.after_step(simulation.time()).total() / meter.start().total() - 1.0));
   }
   EXPECT_LT(largest, 5e-4);
 }

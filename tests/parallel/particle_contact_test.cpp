@@ -20,13 +20,12 @@ constexpr double h = 0.1, bottom = 0.6, width = 0.6, height = 0.4;
 struct BlockAbovePlane {
   BlockAbovePlane(basis::Kind basis, double plane_height, double gravity)
       : simulation(setup(basis, gravity)) {
-    const RigidBody<2> plane{std::make_shared<HalfSpace<2>>(Vector<2>{0.0, 1.0}),
-                             {0.0, plane_height}};
+    const auto plane = test::rigid_body<2>(HalfSpace<2>({0.0, 1.0}), {0.0, plane_height});
     contact = std::make_shared<RigidContact<2>>(
         simulation.grid(), simulation.walls(), simulation.step().point_deposit(), plane,
         ContactOptions{.detection = Detection::particle, .reference_density = test::soft.density});
     contact->watch(simulation.particles());
-    simulation.add_condition(contact);
+    simulation.add_constraint(contact);
   }
 
   static solver::SimulationSetup<2> setup(basis::Kind basis, double gravity) {
@@ -48,7 +47,7 @@ struct BlockAbovePlane {
   }
 
   /// Upward on the block, over all ranks.
-  double take_impulse() { return -petsc::sum(contact->take_impulse()[1]); }
+  double take_impulse() { return -petsc::sum(contact->body().meter().take_impulse()[1]); }
 
   test::TimedSimulation<2> simulation;
   std::shared_ptr<RigidContact<2>> contact;

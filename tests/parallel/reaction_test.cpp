@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "mpm/contact/ContourReaction.hpp"
+#include "mpm/contact/RigidContact.hpp"
 #include "mpm/petsc/Session.hpp"
 #include "support/Scenes.hpp"
 
@@ -10,33 +11,28 @@ namespace mpm::contact {
 namespace {
 
 /// Contact that pushes `factor` times as hard as it reports.
-class Exaggerated : public grid::NodalCondition<2> {
+class Exaggerated : public grid::Constraint<2> {
  public:
   Exaggerated(std::shared_ptr<RigidContact<2>> contact, double factor)
       : m_contact(std::move(contact)), m_factor(factor) {}
 
-  void begin_step() override { m_contact->begin_step(); }
-  std::span<const int> acted_nodes() const override { return m_contact->acted_nodes(); }
-  void correct(const grid::Grid<2>& grid, const grid::NodalMotion<2>& motion) override {
-    std::vector<double> before;
-    const auto visit = [&](const auto& act) {
-      std::size_t k = 0;
-      grid.for_each_owned_node([&](int I, const auto&) {
-        for (int d = 0; d < 2; ++d) {
-          act(motion.momentum[d][I], k++);
-          if (motion.is_first_mapping()) act(motion.force[d][I], k++);
-        }
-      });
-    };
-    visit([&](double& value, std::size_t) { before.push_back(value); });
-    m_contact->correct(grid, motion);
-    visit(
-        [&](double& value, std::size_t k) { value = before[k] + m_factor * (value - before[k]); });
+  void find_nodes() override { m_contact->find_nodes(); }
+  bool spares_from_damping() const override { return true; }
+  grid::Booking<2>& booking() override { return m_contact->booking(); }
+  void constrain(const grid::Grid<2>& grid, grid::ConstrainedNodes<2>& nodes) override {
+    m_contact->constrain(grid, nodes);
+    if (!nodes.is_momentum_update()) return;
+    nodes.book_on(m_unreported);
+    for (const auto& [I, given] : booking().changes) {
+      const double more = (m_factor - 1.0) / nodes.mass(I);
+      nodes.change_velocity(I, {more * given[0], more * given[1]});
+    }
   }
 
  private:
   std::shared_ptr<RigidContact<2>> m_contact;
   double m_factor;
+  grid::Booking<2> m_unreported;
 };
 
 /// A block with a hole under gravity, held by a rigid disc in the hole.
@@ -58,25 +54,25 @@ solver::SimulationSetup<2> block_with_hole(double radius) {
 double difference(double factor) {
   const double radius = 0.7;
   test::TimedSimulation<2> simulation(block_with_hole(radius));
-  const RigidBody<2> disc{std::make_shared<Ball<2>>(radius)};
+  const auto disc = test::rigid_body<2>(Ball<2>(radius), {0.0, 0.0});
   const auto contact = std::make_shared<RigidContact<2>>(
       simulation.grid(), simulation.walls(), simulation.step().point_deposit(), disc,
       ContactOptions{.friction = 0.3, .reference_density = 1700.0});
-  simulation.add_condition(std::make_shared<Exaggerated>(contact, factor));
+  simulation.add_constraint(std::make_shared<Exaggerated>(contact, factor));
   simulation.set_damping(0.6);
   for (int k = 0; k < 1500; ++k) simulation.advance();
-  contact->take_impulse();
+  disc->meter().take_impulse();
   ContourReaction<2> contour({.inner = 0.2, .outer = 0.75});
-  contour.sample(simulation.particles().view(), disc, simulation.gravity(), 0.0);
+  contour.sample(simulation.particles().view(), *disc, simulation.gravity(), 0.0);
   contour.take_mean();
   double time = 0.0;
   for (int k = 0; k < 500; ++k) {
     simulation.advance();
     const double dt = simulation.times.momentum_dt();
-    contour.sample(simulation.particles().view(), disc, simulation.gravity(), dt);
+    contour.sample(simulation.particles().view(), *disc, simulation.gravity(), dt);
     time += dt;
   }
-  const double reported = petsc::sum(contact->take_impulse()[1]) / time;
+  const double reported = petsc::sum(disc->meter().take_impulse()[1]) / time;
   return contour.take_mean()[1] / reported - 1.0;
 }
 

@@ -306,7 +306,7 @@ void turn_keeps_stress_and_volume(basis::Kind kind, const Gradient<dim>& spin, d
     return square < 0.16 ? std::optional(0) : std::nullopt;
   };
   test::TimedSimulation<dim> simulation(setup);
-  simulation.add_condition(std::make_shared<test::PrescribedGradient<dim>>(spin));
+  simulation.add_constraint(std::make_shared<test::PrescribedGradient<dim>>(spin));
   test::set_stress(simulation, any_stress);
   const auto before = test::snapshots(simulation.particles());
   run_steps(simulation, 500, 2 * std::numbers::pi / omega / 1000);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "mpm/contact/RigidBody.hpp"
 #include "mpm/material/LinearElastic.hpp"
 #include "mpm/solver/Simulation.hpp"
 #include "support/World.hpp"
@@ -52,22 +53,28 @@ Vector<dim> linear_velocity(const Gradient<dim>& L, const Vector<dim>& x) {
 
 /// Gives every node the velocity L x_I.
 template <int dim>
-class PrescribedGradient : public grid::NodalCondition<dim> {
+class PrescribedGradient : public grid::Constraint<dim> {
  public:
   explicit PrescribedGradient(const Gradient<dim>& L) : m_L(L) {}
-  void correct(const grid::Grid<dim>& grid, const grid::NodalMotion<dim>& motion) override {
+  void constrain(const grid::Grid<dim>& grid, grid::ConstrainedNodes<dim>& nodes) override {
     grid.for_each_owned_node([&](int I, const auto& node) {
       const Vector<dim> v = linear_velocity<dim>(m_L, grid.position(node));
-      for (int d = 0; d < dim; ++d) {
-        motion.momentum[d][I] = motion.mass[I] * v[d];
-        if (motion.is_first_mapping()) motion.force[d][I] = 0.0;
-      }
+      for (int d = 0; d < dim; ++d) nodes.set_velocity(I, d, v[d]);
     });
   }
 
  private:
   Gradient<dim> m_L;
 };
+
+/// A rigid body at a place, with a velocity.
+template <int dim, class Shape>
+std::shared_ptr<contact::RigidBody<dim>> rigid_body(const Shape& shape, const Vector<dim>& position,
+                                                    const Vector<dim>& velocity = {}) {
+  auto body = std::make_shared<contact::RigidBody<dim>>(std::make_shared<Shape>(shape), position);
+  body->velocity = velocity;
+  return body;
+}
 
 /// The same kind of wall at both ends of every direction.
 template <int dim>
