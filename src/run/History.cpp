@@ -3,10 +3,17 @@
 namespace mpm::run {
 
 template <int dim>
+template <class Value>
+void History<dim>::insert_clock(std::vector<Value>& row, const std::array<Value, 2>& clock) const {
+  const std::size_t place = std::min(m_table.columns_before_clock, row.size());
+  row.insert(row.begin() + static_cast<std::ptrdiff_t>(place), clock.begin(), clock.end());
+}
+
+template <int dim>
 void History<dim>::open() {
   if (m_file) return;
   std::vector<std::string> columns = m_table.columns;
-  columns.insert(columns.end(), {"dt_s", "step"});
+  insert_clock<std::string>(columns, {"dt_s", "step"});
   m_file = std::make_unique<io::CsvFile>(m_table.path, columns);
 }
 
@@ -32,7 +39,7 @@ template <int dim>
 void History<dim>::write_row(const Moment<dim>& moment) {
   std::vector<double> row = m_table.row(moment);
   m_rows.push_back(row);
-  row.insert(row.end(), {moment.clock.dt, static_cast<double>(moment.clock.step)});
+  insert_clock<double>(row, {moment.clock.dt, static_cast<double>(moment.clock.step)});
   m_file->row(row);
 }
 
@@ -47,6 +54,13 @@ void History<dim>::persist(Archive& archive) {
   const auto width = static_cast<std::ptrdiff_t>(m_table.columns.size());
   for (auto row = values.begin(); row != values.end(); row += width)
     m_rows.emplace_back(row, row + width);
+}
+
+template <int dim>
+std::vector<double> History<dim>::column(std::size_t k) const {
+  std::vector<double> values;
+  for (const auto& row : m_rows) values.push_back(row[k]);
+  return values;
 }
 
 template class History<1>;

@@ -46,8 +46,19 @@ Run<dim>::Run(const RunOptions& options, Problem<dim> problem)
   m_initial_mass = m_simulation.total_mass();
   if (!m_problem.loaded_surface.empty()) m_simulation.boundary().add(m_problem.loaded_surface);
   for (const auto& make : m_problem.constraints) m_simulation.add_constraint(make(m_simulation));
-  if (m_problem.initial_stress) prescribe_stress<dim>(m_simulation, m_problem.initial_stress);
+  prescribe_initial_stress();
   if (m_problem.body_force) m_simulation.set_body_force(m_problem.body_force);
+}
+
+template <int dim>
+void Run<dim>::prescribe_initial_stress() {
+  if (!m_problem.initial_stress) return;
+  try {
+    prescribe_stress<dim>(m_simulation, m_problem.initial_stress);
+  } catch (const BadInput& error) {
+    if (m_problem.initial_stress_remedy.empty()) throw;
+    throw BadInput(fmt::format("{} ({})", m_problem.initial_stress_remedy, error.what()));
+  }
 }
 
 template <int dim>

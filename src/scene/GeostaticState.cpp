@@ -1,27 +1,17 @@
 #include "mpm/scene/GeostaticState.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
-#include "mpm/core/Errors.hpp"
 #include "mpm/petsc/Session.hpp"
-#include "mpm/run/InitialStress.hpp"
 
 namespace mpm::scene {
 
-void prescribe_geostatic(solver::Simulation<2>& simulation, const GeostaticStress& stress) {
-  try {
-    run::prescribe_stress<2>(simulation, [&](const Vector<2>& x) {
-      const double vertical = stress.unit_weight * x[1];  // tension positive
-      return SymmetricTensor{{stress.K0 * vertical, vertical, stress.K0 * vertical, 0.0, 0.0, 0.0}};
-    });
-  } catch (const BadInput& error) {
-    throw BadInput(fmt::format(
-        "-geostatic_K0 {} is more than the soil can bear; take a value nearer to 1 or a stronger "
-        "soil ({})",
-        stress.K0, error.what()));
-  }
+std::function<SymmetricTensor(const Vector<2>&)> vertical_and_lateral(
+    const GeostaticStress& stress) {
+  return [stress](const Vector<2>& x) {
+    const double vertical = stress.unit_weight * x[1];
+    return SymmetricTensor{{stress.K0 * vertical, vertical, stress.K0 * vertical, 0.0, 0.0, 0.0}};
+  };
 }
 
 GeostaticErrors measure_geostatic(const solver::Simulation<2>& simulation,

@@ -36,6 +36,14 @@ class ContourReaction {
   /// particles. Collective.
   Vector<dim> take_mean(const petsc::Communicator& communicator = petsc::world());
 
+  void persist(Archive& archive) {
+    archive("force_time", m_force_time);
+    archive("momentum", m_momentum);
+    archive("first_momentum", m_first_momentum);
+    archive("time", m_time);
+    archive("has_start", m_has_start);
+  }
+
  private:
   double share_of_band(double distance) const {
     return (distance - m_band.inner) / (m_band.outer - m_band.inner);

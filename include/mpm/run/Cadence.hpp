@@ -2,14 +2,16 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
+#include <vector>
 
 #include "mpm/run/Observer.hpp"
 
 namespace mpm::run {
 
 /// When a sample is due: every so many steps since the main stage began, or whenever a quantity
-/// that grows has passed the next multiple of a spacing.
+/// that grows has passed the next mark.
 template <int dim>
 class Cadence {
  public:
@@ -19,6 +21,9 @@ class Cadence {
   /// `first` is the first mark; the multiples of `spacing` beyond it follow.
   Cadence(double spacing, Measure measure, double first = 0.0)
       : m_spacing(spacing), m_next(first > 0.0 ? first : spacing), m_measure(std::move(measure)) {}
+  /// Marks in ascending order.
+  Cadence(std::vector<double> marks, Measure measure)
+      : m_next(marks.front()), m_marks(std::move(marks)), m_measure(std::move(measure)) {}
 
   /// Every so many steps where that is asked for (not 0), else this.
   Cadence or_every(long long steps) const { return steps > 0 ? Cadence(steps) : *this; }
@@ -28,7 +33,7 @@ class Cadence {
     if (m_steps > 0) return moment.clock.counted_steps % m_steps == 0;
     const double now = m_measure(moment);
     if (now < m_next) return false;
-    m_next = m_spacing * (std::floor(now / m_spacing + round_off) + 1.0);
+    m_next = mark_after(now);
     return true;
   }
 
@@ -37,9 +42,17 @@ class Cadence {
  private:
   static constexpr double round_off = 1e-6;  // of a spacing
 
+  double mark_after(double now) const {
+    if (m_marks.empty()) return m_spacing * (std::floor(now / m_spacing + round_off) + 1.0);
+    for (const double mark : m_marks)
+      if (mark > now) return mark;
+    return std::numeric_limits<double>::max();
+  }
+
   long long m_steps = 0;
   double m_spacing = 0.0;
   double m_next = 0.0;
+  std::vector<double> m_marks;
   Measure m_measure;
 };
 

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +13,9 @@
 
 namespace mpm::run {
 
+template <int dim>
+class History;
+
 /// A table that grows with the run.
 template <int dim>
 struct HistoryTable {
@@ -18,11 +24,15 @@ struct HistoryTable {
   /// The values of a row. Collective.
   std::function<std::vector<double>(const Moment<dim>&)> row;
   Cadence<dim> cadence;
+  /// For the progress line, from the rows so far.
+  std::function<std::string(const History<dim>&)> status = {};
+  /// Columns before dt_s and step, which the history adds; the others follow.
+  std::size_t columns_before_clock = std::numeric_limits<std::size_t>::max();
   bool has_first_row = false;  ///< one before the first step of the main stage
   bool has_last_row = false;   ///< one when the run is over
 };
 
-/// Writes a row of a table whenever it is due, and keeps it. dt_s and step follow as last columns.
+/// Writes a row of a table whenever it is due, and keeps it. Adds dt_s and step.
 template <int dim>
 class History : public Observer<dim> {
  public:
@@ -31,16 +41,20 @@ class History : public Observer<dim> {
   void begin_stage(const Moment<dim>& moment) override;
   void after_step(const Moment<dim>& moment) override;
   void end(const Moment<dim>& moment) override;
+  std::string status() const override { return m_table.status ? m_table.status(*this) : ""; }
   void persist(Archive& archive) override;
 
   /// Rows so far, without dt and step.
   const std::vector<std::vector<double>>& rows() const { return m_rows; }
+  std::vector<double> column(std::size_t k) const;
   /// The last value of column k, or `before` where there is none yet.
   double last(std::size_t k, double before = 0.0) const {
     return m_rows.empty() ? before : m_rows.back()[k];
   }
 
  private:
+  template <class Value>
+  void insert_clock(std::vector<Value>& row, const std::array<Value, 2>& clock) const;
   void open();
   void write_row(const Moment<dim>& moment);
 

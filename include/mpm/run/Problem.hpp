@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "mpm/contact/RigidBody.hpp"
@@ -20,6 +21,8 @@ struct Problem {
   std::function<void(solver::Simulation<dim>&)> arrange = {};
   /// At a position, tension positive, Pa; the laws take the state that belongs to it.
   std::function<SymmetricTensor(const Vector<dim>&)> initial_stress = {};
+  /// What to say where a law admits no such stress: option, value and remedy.
+  std::string initial_stress_remedy = {};
   /// At an undeformed position and a time, in place of gravity, m/s^2.
   std::function<Vector<dim>(const Vector<dim>&, double)> body_force = {};
   std::vector<particles::SurfacePiece<dim>> loaded_surface = {};

@@ -37,6 +37,7 @@ class Run {
  private:
   using Stages = std::vector<Stage<dim>>;
 
+  void prescribe_initial_stress();
   void check_counted_stage() const;
   bool counts(const Stage<dim>& stage) const;
   void begin(const Stage<dim>& stage);

@@ -12,10 +12,9 @@ struct GeostaticStress {
   double K0;           ///< horizontal over vertical stress
 };
 
-/// Gives every particle sigma_v = gamma z and sigma_h = K0 sigma_v in both horizontal directions,
-/// and its law the state that belongs to it. Throws BadInput on all ranks if the law admits no
-/// such stress. Collective.
-void prescribe_geostatic(solver::Simulation<2>& simulation, const GeostaticStress& stress);
+/// sigma_v = gamma z and sigma_h = K0 sigma_v in both horizontal directions; tension positive, Pa.
+std::function<SymmetricTensor(const Vector<2>&)> vertical_and_lateral(
+    const GeostaticStress& stress);
 
 /// How far the soil is from that state, over the particles where `counts` holds.
 struct GeostaticErrors {

@@ -13,8 +13,8 @@ namespace mpm::scene {
 template <int dim>
 class GridCase : public Scene {
  public:
-  const std::string& output_directory() const final { return m_options.output_dir; }
-  void prepare() final { m_run.emplace(m_options, problem()); }
+  const std::string& output_directory() const final { return run_options().output_dir; }
+  void prepare() final { m_run.emplace(run_options(), problem()); }
 
   void run(io::Summary& summary) final {
     try {
@@ -27,6 +27,7 @@ class GridCase : public Scene {
   }
 
  protected:
+  virtual const run::RunOptions& run_options() const { return m_options; }
   /// What is to be computed, from the options. Throws BadInput where they make no sense together.
   /// Collective.
   virtual run::Problem<dim> problem() = 0;
@@ -35,7 +36,7 @@ class GridCase : public Scene {
   /// A failure of the run with what the case knows about it.
   virtual NumericalFailure explained(const NumericalFailure& failure) const { return failure; }
 
-  std::string path(const char* file) const { return m_options.output_dir + "/" + file; }
+  std::string path(const char* file) const { return run_options().output_dir + "/" + file; }
 
   run::RunOptions m_options;
 
