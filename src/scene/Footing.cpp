@@ -5,12 +5,12 @@
 #include <numbers>
 #include <utility>
 
-#include "mpm/io/TextFile.hpp"
+#include "mpm/contact/RigidBody.hpp"
 #include "mpm/material/VonMises.hpp"
 #include "mpm/petsc/Session.hpp"
-#include "mpm/scene/Ramp.hpp"
-#include "mpm/scene/RunLoop.hpp"
-#include "mpm/scene/Scene.hpp"
+#include "mpm/run/Endings.hpp"
+#include "mpm/run/History.hpp"
+#include "mpm/scene/GridCase.hpp"
 
 namespace mpm::scene {
 namespace {
@@ -18,31 +18,29 @@ namespace {
 enum class Base { rough, smooth };
 
 /// A rigid strip footing on the nodes under it: they take its velocity, all of it where the base is
-/// rough, the vertical part where it is smooth.
+/// rough, the vertical part where it is smooth. Its reference point is at its base.
 class NodalFooting : public grid::Constraint<2> {
  public:
-  NodalFooting(Base base, double half_width) : m_base(base), m_half_width(half_width) {}
+  NodalFooting(std::shared_ptr<contact::RigidBody<2>> body, Base base, double half_width)
+      : m_body(std::move(body)), m_base(base), m_half_width(half_width) {}
 
   void constrain(const grid::Grid<2>& grid, grid::ConstrainedNodes<2>& nodes) override {
     grid.for_each_owned_node([&](int I, const auto& node) {
       const Vector<2> x = grid.position(node);
+      const double level = m_body->position[1];
       if (x[0] < 0.0 || x[0] > m_half_width || x[1] < level - round_off) return;
-      nodes.set_velocity(I, 1, velocity);
+      nodes.set_velocity(I, 1, m_body->velocity[1]);
       if (m_base == Base::rough) nodes.set_velocity(I, 0, 0.0);
     });
   }
 
   bool spares_from_damping() const override { return true; }
-
-  /// Upward impulse of the soil on the half footing since the last call, N s/m. Collective.
-  double take_impulse() { return petsc::sum(-booking().take_impulse()[1]); }
-
-  double level = 0.0;     ///< height of the footing's base, m
-  double velocity = 0.0;  ///< upward, m/s
+  grid::Booking<2>& booking() override { return m_body->meter().booking(); }
 
  private:
   static constexpr double round_off = 1e-9;  // m, of a node's position
 
+  std::shared_ptr<contact::RigidBody<2>> m_body;
   Base m_base;
   double m_half_width;
 };
@@ -51,18 +49,18 @@ class NodalFooting : public grid::Constraint<2> {
 /// symmetry. Exact (Prandtl 1920), rough or smooth, for small settlement: it carries (2 + pi) c.
 /// Von Mises' solid shears at sigma_1 - sigma_3 = 2 c in plane strain, as Tresca's does. The
 /// footing counts to half a cell beyond the last column of nodes it holds.
-class Footing : public Scene {
+class Footing : public GridCase<2> {
  public:
   Footing() {
-    m_run.output_dir = "out/footing";
-    m_run.largest_courant = 0.7;
+    m_options.output_dir = "out/footing";
+    m_options.largest_courant = 0.7;
     m_material.parameters() = {
         .elastic = {.youngs_modulus = 20e6, .poisson_ratio = 0.3, .density = 1800.0},
         .shear_strength = 10e3};
   }
 
   void declare(options::OptionSet& options) override {
-    m_run.declare(options);
+    m_options.declare(options);
     options.section("Footing");
     options.integer("cells", m_cells, {2, 1000},
                     {"1", "columns of nodes that half the footing holds", "chosen"});
@@ -82,20 +80,6 @@ class Footing : public Scene {
     m_material.declare(options);
   }
 
-  const std::string& output_directory() const override { return m_run.output_dir; }
-
-  void run(io::Summary& summary) override {
-    solver::Simulation<2> simulation(setup());
-    const auto footing = std::make_shared<NodalFooting>(m_base, half_width());
-    simulation.add_constraint(footing);
-    simulation.set_damping(m_damping);
-    RunLoop<2> loop(m_run, simulation);
-    const std::vector<Row> rows = push(simulation, *footing, loop);
-    loop.write_fields();
-    loop.summarise(summary);
-    report(rows, summary);
-  }
-
   std::string answer(const io::Summary& summary) const override {
     if (summary.text("error_bearing_capacity").empty()) return "ended before the plateau";
     return fmt::format("bearing capacity {:.4f} c, exact {:.4f} c",
@@ -103,14 +87,10 @@ class Footing : public Scene {
   }
 
  private:
-  struct Row {
-    double settlement;  ///< B
-    double pressure;    ///< c
-  };
-
   static constexpr double exact_capacity = 2.0 + std::numbers::pi;  // c
   static constexpr double ramp_share = 0.1;     // of the way, over which the velocity rises
   static constexpr double plateau_share = 0.8;  // of the way, after which the plateau counts
+  static constexpr std::size_t settlement_column = 1, pressure_column = 2;
   static constexpr int rows_of_history = 200;
   static constexpr int cells_above = 5;  // room for heave
 
@@ -118,62 +98,65 @@ class Footing : public Scene {
   double cell() const { return half_width() / (static_cast<double>(m_cells) - 0.5); }
   double strength() const { return m_material.parameters().shear_strength; }
 
-  std::vector<Row> push(solver::Simulation<2>& simulation, NodalFooting& footing,
-                        RunLoop<2>& loop) const {
-    io::CsvFile history(m_run.output_dir + "/history.csv",
-                        {"time_s", "settlement_over_B", "pressure_over_c", "kinetic_energy_J_per_m",
-                         "dt_s", "step"});
-    const double way = m_settlement * m_width;
-    const Ramp ramp{m_velocity, ramp_share * way};
-    std::vector<Row> curve;
-    double time = 0.0;
-    loop.run({.name = "loading",
-              .share_done = [&] { return -footing.level / way + 1e-9; },
-              .before_step =
-                  [&](double dt) {
-                    const run::Clock& clock = loop.clock();
-                    footing.velocity = -ramp.at(clock.time + 0.5 * dt);
-                  },
-              .after_step =
-                  [&] {
-                    const run::Clock& clock = loop.clock();
-                    footing.level += footing.velocity * clock.dt;
-                    time += clock.momentum_dt;
-                    const double settlement = -footing.level / m_width;
-                    if (settlement <
-                        m_settlement * static_cast<double>(curve.size() + 1) / rows_of_history)
-                      return;
-                    const double force = footing.take_impulse() / std::exchange(time, 0.0);
-                    curve.push_back({settlement, force / half_width() / strength()});
-                    history.row({clock.time, settlement, curve.back().pressure,
-                                 simulation.kinetic_energy(), clock.dt,
-                                 static_cast<double>(clock.step)});
-                  },
-              .status =
-                  [&] {
-                    return fmt::format("q/c {:.3f}", curve.empty() ? 0.0 : curve.back().pressure);
-                  }});
-    return curve;
+  double way() const { return m_settlement * m_width; }
+
+  run::Problem<2> problem() override {
+    m_footing = std::make_shared<contact::RigidBody<2>>(
+        std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, -1.0}), Vector<2>{0.0, 0.0},
+        std::make_shared<contact::RampMotion<2>>(Vector<2>{0.0, -1.0},
+                                                 contact::Ramp{m_velocity, ramp_share * way()}));
+    m_curve = std::make_shared<run::History<2>>(history());
+    run::Problem<2> problem{.setup = setup()};
+    problem.bodies = {m_footing};
+    problem.constraints = {[this](const auto&) {
+      return std::make_shared<NodalFooting>(m_footing, m_base, half_width());
+    }};
+    problem.stages = {{.name = "loading",
+                       .ending = std::make_shared<run::When<2>>([this](const run::Moment<2>&) {
+                         return -m_footing->position[1] / way() + 1e-9;
+                       }),
+                       .damping = m_damping}};
+    problem.observers = {m_curve};
+    return problem;
+  }
+
+  run::HistoryTable<2> history() const {
+    return {.path = path("history.csv"),
+            .columns = {"time_s", "settlement_over_B", "pressure_over_c", "kinetic_energy_J_per_m"},
+            .row =
+                [this](const run::Moment<2>& now) {
+                  const double force = m_footing->meter().take_mean().force[1];
+                  return std::vector<double>{now.clock.time, -m_footing->position[1] / m_width,
+                                             force / half_width() / strength(),
+                                             now.simulation.kinetic_energy()};
+                },
+            .cadence = run::Cadence<2>(
+                m_settlement / rows_of_history,
+                [this](const run::Moment<2>&) { return -m_footing->position[1] / m_width; }),
+            .status =
+                [](const run::History<2>& rows) {
+                  return fmt::format("q/c {:.3f}", rows.last(pressure_column));
+                }};
   }
 
   /// Mean pressure between two shares of the way.
-  double mean_pressure(const std::vector<Row>& curve, double from, double to) const {
+  double mean_pressure(double from, double to) const {
     double sum = 0.0, count = 0.0;
-    for (const Row& row : curve) {
-      if (row.settlement <= from * m_settlement || row.settlement > to * m_settlement) continue;
-      sum += row.pressure;
+    for (const auto& row : m_curve->rows()) {
+      const double settlement = row[settlement_column];
+      if (settlement <= from * m_settlement || settlement > to * m_settlement) continue;
+      sum += row[pressure_column];
       count += 1.0;
     }
     return sum / count;
   }
 
-  void report(const std::vector<Row>& curve, io::Summary& summary) const {
+  void evaluate(run::Run<2>&, io::Summary& summary) override {
     constexpr double beyond_end = 1.1;
-    if (curve.size() < rows_of_history - 1) return;
+    if (m_curve->rows().size() < rows_of_history - 1) return;
     const double middle = 0.5 * (plateau_share + 1.0);
-    const double capacity = mean_pressure(curve, plateau_share, beyond_end);
-    const double rise =
-        mean_pressure(curve, middle, beyond_end) - mean_pressure(curve, plateau_share, middle);
+    const double capacity = mean_pressure(plateau_share, beyond_end);
+    const double rise = mean_pressure(middle, beyond_end) - mean_pressure(plateau_share, middle);
     summary.set("capacity_over_c", capacity);
     summary.set("error_bearing_capacity", capacity / exact_capacity - 1.0);
     summary.set("plateau_rise", rise / exact_capacity);
@@ -186,17 +169,18 @@ class Footing : public Scene {
         .lines = {
             basis::KnotLines::uniform(0.0, across * cell(), across),
             basis::KnotLines::uniform(-down * cell(), cells_above * cell(), down + cells_above)}};
-    m_run.apply_to(setup);
+    m_options.apply_to(setup);
     using grid::Wall;
     setup.walls = {{{Wall::symmetry, Wall::roller}, {Wall::fixed, Wall::free}}};
     setup.materials = {m_material.create()};
-    setup.filling = {
-        [](const Vector<2>& x) { return x[1] < 0.0 ? std::optional(0) : std::nullopt; },
-        [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
+    setup.filling.material_at = [](const Vector<2>& x) {
+      return x[1] < 0.0 ? std::optional(0) : std::nullopt;
+    };
     return setup;
   }
 
-  run::RunOptions m_run;
+  std::shared_ptr<contact::RigidBody<2>> m_footing;
+  std::shared_ptr<run::History<2>> m_curve;
   Base m_base = Base::rough;
   std::int64_t m_cells = 10;
   double m_width = 2.0;

@@ -4,32 +4,48 @@
 #include <numbers>
 #include <optional>
 
-#include "mpm/io/TextFile.hpp"
 #include "mpm/material/LinearElastic.hpp"
+#include "mpm/run/Endings.hpp"
+#include "mpm/run/History.hpp"
+#include "mpm/scene/GridCase.hpp"
 #include "mpm/scene/RigidContactOf.hpp"
-#include "mpm/scene/Scene.hpp"
-#include "mpm/scene/Settling.hpp"
 
 namespace mpm::scene {
 namespace {
 
 enum class Shape { block, disc };
 
+/// How far the centre of mass has come along x.
+class Slide : public run::Observer<2> {
+ public:
+  void after_step(const run::Moment<2>& now) override {
+    velocity = now.simulation.momentum()[0] / now.simulation.total_mass();
+    way += velocity * now.clock.dt;
+  }
+  void persist(Archive& archive) override {
+    archive("way", way);
+    archive("velocity", velocity);
+  }
+
+  double way = 0.0;       ///< m
+  double velocity = 0.0;  ///< m/s
+};
+
 /// A stiff elastic body on a rigid incline; x runs down the incline and gravity is turned instead.
 /// Exact for a rigid body: the acceleration down the incline is g (sin a - mu cos a) while it
 /// slides; a block stays where mu > tan a, a disc rolls with 2/3 g sin a where mu > tan(a)/3, since
 /// its moment of inertia is m R^2/2. The elastic body shakes a little when it starts, less the
 /// stiffer it is.
-class Incline : public Scene {
+class Incline : public GridCase<2> {
  public:
   Incline() {
-    m_run.output_dir = "out/incline";
-    m_run.largest_courant = 0.5;
+    m_options.output_dir = "out/incline";
+    m_options.largest_courant = 0.5;
     m_material.parameters() = {.youngs_modulus = 2e9, .poisson_ratio = 0.3, .density = 1900.0};
   }
 
   void declare(options::OptionSet& options) override {
-    m_run.declare(options);
+    m_options.declare(options);
     options.section("Incline");
     options.choice("body", m_shape, {{"block", Shape::block}, {"disc", Shape::disc}},
                    {"", "shape of the body", "chosen"});
@@ -50,23 +66,6 @@ class Incline : public Scene {
                     "particle for the disc",
                     "docs/verification.md"});
     m_material.declare(options);
-  }
-
-  const std::string& output_directory() const override { return m_run.output_dir; }
-
-  void run(io::Summary& summary) override {
-    solver::Simulation<2> simulation(setup());
-    if (m_shape == Shape::disc) round_off(simulation);
-    simulation.add_constraint(contact_of(simulation, ground(plane_height()),
-                                         {.detection = detection(),
-                                          .gap_cells = touching_distance,
-                                          .friction = m_friction,
-                                          .reference_density = m_material.parameters().density}));
-    RunLoop<2> loop(m_run, simulation);
-    rest_on_level_plane(simulation, loop);
-    slide(simulation, loop, summary);
-    loop.write_fields();
-    loop.summarise(summary);
   }
 
   std::string answer(const io::Summary& summary) const override {
@@ -96,58 +95,70 @@ class Incline : public Scene {
   /// proportion (Shirley & Chiu 1997): a disc cut out of a lattice has flats on which it rests.
   void round_off(solver::Simulation<2>& simulation) const {
     constexpr double quarter = 0.25 * std::numbers::pi;
-    {
-      const auto view = simulation.particles().view();
-      const auto [x0, y0] = start();
-      for (int p = 0; p < view.count; ++p) {
-        const double x = view.position[0][p] - x0, y = view.position[1][p] - y0;
-        const bool beside = std::abs(x) > std::abs(y);
-        const double radius = beside ? x : y, angle = quarter * (beside ? y / x : x / y);
-        view.position[0][p] = x0 + radius * (beside ? std::cos(angle) : std::sin(angle));
-        view.position[1][p] = y0 + radius * (beside ? std::sin(angle) : std::cos(angle));
-        view.volume[p] *= quarter;
-        view.mass[p] *= quarter;
-      }
+    const auto view = simulation.particles().view();
+    const auto [x0, y0] = start();
+    for (int p = 0; p < view.count; ++p) {
+      const double x = view.position[0][p] - x0, y = view.position[1][p] - y0;
+      const bool beside = std::abs(x) > std::abs(y);
+      const double radius = beside ? x : y, angle = quarter * (beside ? y / x : x / y);
+      view.position[0][p] = x0 + radius * (beside ? std::cos(angle) : std::sin(angle));
+      view.position[1][p] = y0 + radius * (beside ? std::sin(angle) : std::cos(angle));
+      view.volume[p] *= quarter;
+      view.mass[p] *= quarter;
     }
-    simulation.particles().migrate();
+  }
+
+  run::Problem<2> problem() override {
+    m_slide = std::make_shared<Slide>();
+    run::Problem<2> problem{.setup = setup()};
+    const Vector<2> inclined = problem.setup.gravity;
+    if (m_shape == Shape::disc)
+      problem.arrange = [this](solver::Simulation<2>& simulation) { round_off(simulation); };
+    problem.constraints = {[this](const solver::Simulation<2>& simulation) {
+      return contact_of(simulation, ground(plane_height()),
+                        {.detection = detection(),
+                         .gap_cells = touching_distance,
+                         .friction = m_friction,
+                         .reference_density = m_material.parameters().density});
+    }};
+    problem.stages = {rest_on_level_plane(inclined), slide_down(inclined)};
+    problem.observers = {m_slide, std::make_shared<run::History<2>>(history())};
+    return problem;
   }
 
   /// Lets the body come to rest before the plane is tilted, so that it does not bounce.
-  void rest_on_level_plane(solver::Simulation<2>& simulation, RunLoop<2>& loop) const {
-    const Vector<2> inclined = simulation.gravity();
-    simulation.set_gravity({0.0, inclined[1]});
-    double unbalanced = 1.0;
-    settle(simulation, loop,
-           {.name = "settling",
+  run::Stage<2> rest_on_level_plane(const Vector<2>& inclined) const {
+    return {.name = "settling",
+            .ending = std::make_shared<run::AtRest<2>>(run::RestOptions<2>{
+                .tolerance = m_shape == Shape::disc ? 0.05 : 1e-4, .longest = 1'000'000}),
+            .is_main = false,
             .damping = 0.3,
-            .tolerance = m_shape == Shape::disc ? 0.05 : 1e-4,
-            .longest = 1'000'000},
-           unbalanced);
-    simulation.set_gravity(inclined);
-    simulation.start_from_rest();
+            .gravity = Vector<2>{0.0, inclined[1]}};
   }
 
-  void slide(solver::Simulation<2>& simulation, RunLoop<2>& loop, io::Summary& summary) const {
-    io::CsvFile history(m_run.output_dir + "/history.csv",
-                        {"time_s", "slide_m", "velocity_m_per_s", "dt_s", "step"});
-    const double mass = simulation.total_mass();
-    double slid = 0.0, velocity = 0.0;
-    loop.run({.name = "sliding",
-              .share_done = [&] { return loop.clock().time_in_stage / duration + 1e-12; },
-              .after_step =
-                  [&] {
-                    const run::Clock& clock = loop.clock();
-                    velocity = simulation.momentum()[0] / mass;
-                    slid += velocity * clock.dt;
-                    if (!m_run.row_is_due(clock.step)) return;
-                    history.row({clock.time_in_stage, slid, velocity, clock.dt,
-                                 static_cast<double>(clock.step)});
-                  },
-              .end_time = duration});
+  static run::Stage<2> slide_down(const Vector<2>& inclined) {
+    return {.name = "sliding",
+            .ending = std::make_shared<run::AfterTime<2>>(duration),
+            .begins_at_rest = true,
+            .gravity = inclined};
+  }
+
+  run::HistoryTable<2> history() const {
+    return {
+        .path = path("history.csv"),
+        .columns = {"time_s", "slide_m", "velocity_m_per_s"},
+        .row =
+            [this](const run::Moment<2>& now) {
+              return std::vector<double>{now.clock.time_in_stage, m_slide->way, m_slide->velocity};
+            },
+        .cadence = every_step()};
+  }
+
+  void evaluate(run::Run<2>&, io::Summary& summary) override {
     const double exact = 0.5 * exact_acceleration() * duration * duration;
-    summary.set("slide_m", slid);
+    summary.set("slide_m", m_slide->way);
     summary.set("slide_exact_m", exact);
-    if (exact > 0.0) summary.set("error_slide", slid / exact - 1.0);
+    if (exact > 0.0) summary.set("error_slide", m_slide->way / exact - 1.0);
   }
 
   solver::SimulationSetup<2> setup() const {
@@ -157,22 +168,20 @@ class Incline : public Scene {
     solver::SimulationSetup<2> setup{
         .lines = {basis::KnotLines::uniform(0.0, cells_x * cell(), cells_x),
                   basis::KnotLines::uniform(0.0, cells_y * cell(), cells_y)}};
-    m_run.apply_to(setup);
+    m_options.apply_to(setup);
     setup.walls = {{{grid::Wall::free, grid::Wall::free}, {grid::Wall::free, grid::Wall::free}}};
     setup.materials = {m_material.create()};
     const Vector<2> centre = start();
-    setup.filling = {
-        [this, centre](const Vector<2>& x) {
-          const double across = x[0] - centre[0], up = x[1] - centre[1];
-          const bool inside = std::abs(across) < 0.5 * length() && std::abs(up) < 0.5 * height;
-          return inside ? std::optional(0) : std::nullopt;
-        },
-        [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
+    setup.filling.material_at = [this, centre](const Vector<2>& x) {
+      const double across = x[0] - centre[0], up = x[1] - centre[1];
+      const bool inside = std::abs(across) < 0.5 * length() && std::abs(up) < 0.5 * height;
+      return inside ? std::optional(0) : std::nullopt;
+    };
     setup.gravity = {m_gravity * std::sin(radians()), -m_gravity * std::cos(radians())};
     return setup;
   }
 
-  run::RunOptions m_run;
+  std::shared_ptr<Slide> m_slide;
   Shape m_shape = Shape::block;
   std::optional<contact::Detection> m_detection;
   std::int64_t m_cells = 5;

@@ -36,6 +36,10 @@ class GridCase : public Scene {
   /// A failure of the run with what the case knows about it.
   virtual NumericalFailure explained(const NumericalFailure& failure) const { return failure; }
 
+  /// Every step, or as -history_every says.
+  run::Cadence<dim> every_step() const {
+    return run::Cadence<dim>(1).or_every(run_options().history_every);
+  }
   std::string path(const char* file) const { return run_options().output_dir + "/" + file; }
 
   run::RunOptions m_options;
