@@ -92,7 +92,7 @@ std::unique_ptr<grid::Grid<dim>> Simulation<dim>::make_grid(
     const SimulationSetup<dim>& setup) const {
   const partition::CellWork<dim> particles = seed_counts(setup);
   auto grid = std::make_unique<grid::Grid<dim>>(setup.communicator, node_lines(setup),
-                                               m_balance.ranges(particles));
+                                                m_balance.ranges(particles));
   if (setup.balance.method != LoadBalance::ranges && setup.communicator.size() > 1)
     grid->set_ownership(m_balance.ownership(particles, grid->ownership()));
   return grid;
@@ -114,6 +114,12 @@ template <int dim>
 void Simulation<dim>::add_constraint(std::shared_ptr<grid::Constraint<dim>> constraint) {
   m_constraints.push_back(constraint.get());
   m_owned_constraints.push_back(std::move(constraint));
+}
+
+template <int dim>
+void Simulation<dim>::persist_constraints(Archive& archive) {
+  for (std::size_t k = 0; k < m_constraints.size(); ++k)
+    archive.group(fmt::format("{}", k), [&] { m_constraints[k]->persist(archive); });
 }
 
 template <int dim>

@@ -105,6 +105,8 @@ class Constraint {
   /// Whether nodes it has acted on are left out of local damping, which would show in its force.
   virtual bool spares_from_damping() const { return false; }
   virtual Booking<dim>& booking() { return m_booking; }
+  /// Saves or puts back what it knows between steps.
+  virtual void persist(Archive& archive) { booking().persist(archive); }
 
  private:
   Booking<dim> m_booking;

@@ -67,6 +67,8 @@ class Simulation {
 
   /// Rigid bodies and the like, which act on nodes in the order they were added.
   void add_constraint(std::shared_ptr<grid::Constraint<dim>> constraint);
+  /// Saves or puts back what constraints know between steps.
+  void persist_constraints(Archive& archive);
 
   void set_damping(double damping) { m_options.damping = damping; }
   void set_gravity(const Vector<dim>& gravity) { m_options.body_force.uniform = gravity; }
