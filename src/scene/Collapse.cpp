@@ -6,13 +6,12 @@
 #include <optional>
 #include <vector>
 
-#include "mpm/io/TextFile.hpp"
 #include "mpm/material/MohrCoulomb.hpp"
 #include "mpm/petsc/Session.hpp"
-#include "mpm/run/InitialStress.hpp"
+#include "mpm/run/Endings.hpp"
+#include "mpm/run/History.hpp"
+#include "mpm/scene/GridCase.hpp"
 #include "mpm/scene/RigidContactOf.hpp"
-#include "mpm/scene/RunLoop.hpp"
-#include "mpm/scene/Scene.hpp"
 
 namespace mpm::scene {
 namespace {
@@ -90,12 +89,10 @@ struct CollapseOptions {
     const auto bottom = base == Base::rough ? grid::Wall::fixed : grid::Wall::free;
     setup.walls = {{{grid::Wall::symmetry, grid::Wall::free}, {bottom, grid::Wall::free}}};
     setup.materials = {material.create()};
-    setup.filling = {
-        [this](const Vector<2>& x) {
-          const double y = x[1] - base_height();
-          return x[0] < width && y > 0.0 && y < height() ? std::optional(0) : std::nullopt;
-        },
-        [this](const auto&) { return static_cast<int>(run.particles_per_cell_direction); }};
+    setup.filling.material_at = [this](const Vector<2>& x) {
+      const double y = x[1] - base_height();
+      return x[0] < width && y > 0.0 && y < height() ? std::optional(0) : std::nullopt;
+    };
     setup.gravity = {0.0, -gravity};
     return setup;
   }
@@ -106,135 +103,31 @@ struct Outline {
   double front, height;  ///< m
 };
 
+/// Follows the kinetic energy, by which the heap comes to rest.
+class Energy : public run::Observer<2> {
+ public:
+  void after_step(const run::Moment<2>& now) override {
+    kinetic = now.simulation.kinetic_energy();
+    m_largest = std::max(m_largest, kinetic);
+  }
+  void persist(Archive& archive) override {
+    archive("kinetic", kinetic);
+    archive("largest", m_largest);
+  }
+  bool has_peaked() const { return kinetic < 0.1 * m_largest; }
+
+  double kinetic = 0.0;  ///< J/m
+
+ private:
+  double m_largest = 0.0;
+};
+
 /// A column of dry sand in plane strain is let go on a rough base and runs out to both sides; one
 /// half is modelled. Measured in channels: (l_end - l0)/l0 = 1.2 a for a = h0/l0 < 2.3, whatever
 /// the sand (Lube, Huppert, Sparks & Freundt 2005; Lajeunesse, Monnier & Homsy 2005).
-class CollapseRun {
+class Collapse : public GridCase<2> {
  public:
-  CollapseRun(const CollapseOptions& options, io::Summary& summary);
-  void run();
-
- private:
-  void stand();
-  std::vector<double> thickness() const;
-  Outline outline() const;
-  void after_step();
-  void write_row();
-  void conclude();
-
-  const CollapseOptions& m_options;
-  io::Summary& m_summary;
-  solver::Simulation<2> m_simulation;
-  double m_density;  ///< kg/m^3
-  RunLoop<2> m_loop;
-  io::CsvFile m_history;
-  double m_energy_scale = 0.0;  ///< J/m
-  double m_kinetic = 0.0, m_largest_kinetic = 0.0;
-  double m_next_row = 0.0;  ///< s
-};
-
-CollapseRun::CollapseRun(const CollapseOptions& options, io::Summary& summary)
-    : m_options(options),
-      m_summary(summary),
-      m_simulation(options.setup()),
-      m_density(m_simulation.particles().materials()[0]->initial_density()),
-      m_loop(options.run, m_simulation),
-      m_history(
-          options.run.output_dir + "/history.csv",
-          {"time_s", "front_m", "height_m", "run_out", "kinetic_energy_J_per_m", "dt_s", "step"}) {
-  m_energy_scale = 0.5 * m_simulation.total_mass() * options.gravity * options.height();
-  if (options.base == Base::frictional) stand();
-  const double weight = m_density * options.gravity;
-  run::prescribe_stress<2>(m_simulation, [&](const Vector<2>& x) {
-    const double vertical = -weight * (options.base_height() + options.height() - x[1]);
-    return SymmetricTensor{{options.K0 * vertical, vertical, options.K0 * vertical, 0, 0, 0}};
-  });
-}
-
-/// Touching nodes are those at or below the base.
-void CollapseRun::stand() {
-  m_simulation.add_constraint(contact_of(
-      m_simulation, ground(m_options.base_height()),
-      {.gap_cells = 0.01, .friction = m_options.friction, .reference_density = m_density}));
-}
-
-void CollapseRun::run() {
-  write_row();
-  m_loop.write_fields();
-  const run::Clock& clock = m_loop.clock();
-  const double last = longest * m_options.time_scale();
-  m_loop.run({.name = "collapse",
-              .share_done =
-                  [&] {
-                    const double rest = m_options.rest_tolerance * m_energy_scale;
-                    const bool has_peaked = m_kinetic < 0.1 * m_largest_kinetic;
-                    if (has_peaked && m_kinetic < rest) return 1.0;
-                    return clock.time / last;
-                  },
-              .after_step = [&] { after_step(); }});
-  write_row();
-  m_loop.write_fields();
-  m_loop.summarise(m_summary);
-  conclude();
-}
-
-void CollapseRun::after_step() {
-  m_kinetic = m_simulation.kinetic_energy();
-  m_largest_kinetic = std::max(m_largest_kinetic, m_kinetic);
-  const run::Clock& clock = m_loop.clock();
-  const long long every = m_options.run.history_every;
-  if (every > 0 ? clock.step % every == 0 : clock.time >= m_next_row) write_row();
-}
-
-/// Of the sand as it was packed at the start, over each column of cells, m.
-std::vector<double> CollapseRun::thickness() const {
-  const double h = m_options.cell();
-  std::vector<double> columns(static_cast<std::size_t>(m_simulation.grid().nodes(0).lines.cells()),
-                              0.0);
-  const auto view = m_simulation.particles().view();
-  for (int p = 0; p < view.count; ++p)
-    columns[static_cast<std::size_t>(m_simulation.grid().nodes(0).lines.cell_of(
-        view.position[0][p]))] += view.mass[p] / (m_density * h);
-  MPI_Allreduce(MPI_IN_PLACE, columns.data(), static_cast<int>(columns.size()), MPI_DOUBLE, MPI_SUM,
-                PETSC_COMM_WORLD);
-  return columns;
-}
-
-/// The heap ends with the first column of cells, from its middle outwards, in which it is thinner
-/// than half a cell; that column counts with the share it has. Single grains ahead do not count.
-Outline CollapseRun::outline() const {
-  const std::vector<double> columns = thickness();
-  const double least = front_thickness * m_options.cell();
-  const auto end =
-      std::find_if(columns.begin(), columns.end(), [&](double t) { return t < least; });
-  const double share = end == columns.end() ? 0.0 : *end / least;
-  return {(static_cast<double>(end - columns.begin()) + share) * m_options.cell(), columns.front()};
-}
-
-void CollapseRun::write_row() {
-  const run::Clock& clock = m_loop.clock();
-  const Outline now = outline();
-  m_next_row = clock.time + m_options.time_scale() / rows_per_time;
-  m_history.row({clock.time, now.front, now.height, now.front / m_options.width - 1.0, m_kinetic,
-                 clock.dt, static_cast<double>(clock.step)});
-}
-
-void CollapseRun::conclude() {
-  const Outline end = outline();
-  const double run_out = end.front / m_options.width - 1.0;
-  m_summary.set("run_out", run_out);
-  m_summary.set("run_out_measured", run_out_per_aspect_ratio * m_options.aspect_ratio);
-  m_summary.set("error_run_out",
-                run_out / (run_out_per_aspect_ratio * m_options.aspect_ratio) - 1.0);
-  m_summary.set("final_height_over_width", end.height / m_options.width);
-  m_summary.set("kinetic_energy_share_at_end", m_kinetic / m_energy_scale);
-}
-
-class Collapse : public Scene {
- public:
-  void declare(options::OptionSet& options) override { m_options.declare(options); }
-  const std::string& output_directory() const override { return m_options.run.output_dir; }
-  void run(io::Summary& summary) override { CollapseRun(m_options, summary).run(); }
+  void declare(options::OptionSet& options) override { m_column.declare(options); }
 
   std::string answer(const io::Summary& summary) const override {
     return fmt::format("ran out by {:.4g} widths, measured {:.4g}; height at rest {:.4g} widths",
@@ -243,8 +136,102 @@ class Collapse : public Scene {
   }
 
  private:
-  CollapseOptions m_options;
+  const run::RunOptions& run_options() const override { return m_column.run; }
+  run::Problem<2> problem() override;
+  void evaluate(run::Run<2>& run, io::Summary& summary) override;
+  run::HistoryTable<2> history();
+  std::vector<double> thickness(const solver::Simulation<2>& simulation) const;
+  Outline outline(const solver::Simulation<2>& simulation) const;
+  double density() const { return m_column.material.parameters().elastic.density; }
+  /// Weight times half the height, J/m.
+  double energy_scale(const solver::Simulation<2>& simulation) const {
+    return 0.5 * simulation.total_mass() * m_column.gravity * m_column.height();
+  }
+  double share_done(const run::Moment<2>& now) const;
+
+  CollapseOptions m_column;
+  std::shared_ptr<Energy> m_energy;
 };
+
+run::Problem<2> Collapse::problem() {
+  m_energy = std::make_shared<Energy>();
+  run::Problem<2> problem{.setup = m_column.setup()};
+  const double weight = density() * m_column.gravity;
+  problem.initial_stress = [this, weight](const Vector<2>& x) {
+    const double vertical = -weight * (m_column.base_height() + m_column.height() - x[1]);
+    return SymmetricTensor{{m_column.K0 * vertical, vertical, m_column.K0 * vertical, 0, 0, 0}};
+  };
+  // Touching nodes are those at or below the base.
+  if (m_column.base == Base::frictional)
+    problem.constraints = {[this](const solver::Simulation<2>& simulation) {
+      return contact_of(
+          simulation, ground(m_column.base_height()),
+          {.gap_cells = 0.01, .friction = m_column.friction, .reference_density = density()});
+    }};
+  problem.stages = {{.name = "collapse",
+                     .ending = std::make_shared<run::When<2>>(
+                         [this](const run::Moment<2>& now) { return share_done(now); })}};
+  problem.observers = {m_energy, std::make_shared<run::History<2>>(history())};
+  problem.writes_fields_at_start = true;
+  return problem;
+}
+
+double Collapse::share_done(const run::Moment<2>& now) const {
+  const double rest = m_column.rest_tolerance * energy_scale(now.simulation);
+  if (m_energy->has_peaked() && m_energy->kinetic < rest) return 1.0;
+  return now.clock.time / (longest * m_column.time_scale());
+}
+
+run::HistoryTable<2> Collapse::history() {
+  const auto by_time =
+      run::Cadence<2>::apart(m_column.time_scale() / rows_per_time,
+                             [](const run::Moment<2>& now) { return now.clock.time; });
+  return {.path = path("history.csv"),
+          .columns = {"time_s", "front_m", "height_m", "run_out", "kinetic_energy_J_per_m"},
+          .row =
+              [this](const run::Moment<2>& now) {
+                const Outline heap = outline(now.simulation);
+                return std::vector<double>{now.clock.time, heap.front, heap.height,
+                                           heap.front / m_column.width - 1.0, m_energy->kinetic};
+              },
+          .cadence = by_time.or_every(m_column.run.history_every),
+          .has_first_row = true,
+          .has_last_row = true};
+}
+
+/// Of the sand as it was packed at the start, over each column of cells, m.
+std::vector<double> Collapse::thickness(const solver::Simulation<2>& simulation) const {
+  const basis::KnotLines& lines = simulation.grid().nodes(0).lines;
+  std::vector<double> columns(static_cast<std::size_t>(lines.cells()), 0.0);
+  const auto view = simulation.particles().view();
+  for (int p = 0; p < view.count; ++p)
+    columns[static_cast<std::size_t>(lines.cell_of(view.position[0][p]))] +=
+        view.mass[p] / (density() * m_column.cell());
+  simulation.communicator().sum(columns);
+  return columns;
+}
+
+/// The heap ends with the first column of cells, from its middle outwards, in which it is thinner
+/// than half a cell; that column counts with the share it has. Single grains ahead do not count.
+Outline Collapse::outline(const solver::Simulation<2>& simulation) const {
+  const std::vector<double> columns = thickness(simulation);
+  const double least = front_thickness * m_column.cell();
+  const auto end =
+      std::find_if(columns.begin(), columns.end(), [&](double t) { return t < least; });
+  const double share = end == columns.end() ? 0.0 : *end / least;
+  return {(static_cast<double>(end - columns.begin()) + share) * m_column.cell(), columns.front()};
+}
+
+void Collapse::evaluate(run::Run<2>& run, io::Summary& summary) {
+  const Outline end = outline(run.simulation());
+  const double run_out = end.front / m_column.width - 1.0;
+  const double measured = run_out_per_aspect_ratio * m_column.aspect_ratio;
+  summary.set("run_out", run_out);
+  summary.set("run_out_measured", measured);
+  summary.set("error_run_out", run_out / measured - 1.0);
+  summary.set("final_height_over_width", end.height / m_column.width);
+  summary.set("kinetic_energy_share_at_end", m_energy->kinetic / energy_scale(run.simulation()));
+}
 
 }  // namespace
 

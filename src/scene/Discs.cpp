@@ -6,12 +6,12 @@
 #include <numbers>
 #include <optional>
 
-#include "mpm/io/TextFile.hpp"
 #include "mpm/material/LinearElastic.hpp"
 #include "mpm/petsc/Session.hpp"
+#include "mpm/run/Endings.hpp"
+#include "mpm/run/History.hpp"
 #include "mpm/scene/EnergyMeter.hpp"
-#include "mpm/scene/RunLoop.hpp"
-#include "mpm/scene/Scene.hpp"
+#include "mpm/scene/GridCase.hpp"
 
 namespace mpm::scene {
 namespace {
@@ -20,20 +20,91 @@ double dot(const Vector<2>& a, const Vector<2>& b) {
   return a[0] * b[0] + a[1] * b[1];
 }
 
+constexpr double direction = std::numbers::pi / 7.0;  // of the line of centres
+
+Vector<2> along(double distance) {
+  return {distance * std::cos(direction), distance * std::sin(direction)};
+}
+
+/// Mass and momentum of a disc. Collective.
+struct Body {
+  double mass = 0.0;
+  Vector<2> momentum{};
+};
+std::array<Body, 2> measure(const solver::Simulation<2>& simulation) {
+  std::array<Body, 2> bodies;
+  const auto view = simulation.particles().view();
+  for (int p = 0; p < view.count; ++p) {
+    Body& body = bodies[static_cast<std::size_t>(view.material[p])];
+    body.mass += view.mass[p];
+    for (int d = 0; d < 2; ++d) body.momentum[d] += view.mass[p] * view.velocity[d][p];
+  }
+  for (Body& body : bodies) {
+    body.mass = petsc::sum(body.mass);
+    for (double& component : body.momentum) component = petsc::sum(component);
+  }
+  return bodies;
+}
+
+/// Of the centres of mass, along the line on which they came, m/s.
+double closing_speed(const std::array<Body, 2>& bodies) {
+  return dot(bodies[0].momentum, along(1.0 / bodies[0].mass)) -
+         dot(bodies[1].momentum, along(1.0 / bodies[1].mass));
+}
+
+/// Follows momentum and closing speed of two discs.
+class Collision : public run::Observer<2> {
+ public:
+  /// Speed of each disc towards the other at the start, m/s.
+  explicit Collision(double speed_of_each) : m_speed(speed_of_each) {}
+
+  void begin(const run::Moment<2>& now) override {
+    const std::array<Body, 2> bodies = measure(now.simulation);
+    m_momentum = now.simulation.momentum();
+    m_of_one_disc = bodies[0].mass * m_speed;
+    first_speed = closing_speed(bodies);
+    energy_of_centre = 0.5 * dot(m_momentum, m_momentum) / now.simulation.total_mass();
+  }
+  void after_step(const run::Moment<2>& now) override {
+    const Vector<2> momentum = now.simulation.momentum();
+    error = std::hypot(momentum[0] - m_momentum[0], momentum[1] - m_momentum[1]) / m_of_one_disc;
+    largest_error = std::max(largest_error, error);
+    speed = closing_speed(measure(now.simulation));
+  }
+  void persist(Archive& archive) override {
+    archive("momentum", m_momentum);
+    archive("of_one_disc", m_of_one_disc);
+    archive("first_speed", first_speed);
+    archive("energy_of_centre", energy_of_centre);
+    archive("error", error);
+    archive("largest_error", largest_error);
+    archive("speed", speed);
+  }
+
+  double error = 0.0, largest_error = 0.0;  ///< of the momentum, as a share of one disc's
+  double speed = 0.0, first_speed = 0.0;    ///< of closing, m/s
+  double energy_of_centre = 0.0;            ///< kinetic, of the common centre of mass, J/m
+
+ private:
+  double m_speed;
+  Vector<2> m_momentum{};
+  double m_of_one_disc = 0.0;
+};
+
 /// Two elastic discs fly at each other in a moving frame, along a line that no grid line follows,
 /// and collide on the grid they share; nothing else makes contact. Exact: momentum and total energy
 /// stay; slow equal discs get nearly all kinetic energy back, others keep vibrating. Energies are
 /// those in the frame of the common centre of mass.
-class Discs : public Scene {
+class Discs : public GridCase<2> {
  public:
   Discs() {
-    m_run.output_dir = "out/discs";
-    m_run.largest_courant = 0.4;
+    m_options.output_dir = "out/discs";
+    m_options.largest_courant = 0.4;
     m_material.parameters() = {.youngs_modulus = 1000.0, .poisson_ratio = 0.3, .density = 1000.0};
   }
 
   void declare(options::OptionSet& options) override {
-    m_run.declare(options);
+    m_options.declare(options);
     options.section("Discs");
     options.integer("cells", m_cells, {4, 1000},
                     {"1", "cells per diameter of the larger disc", "chosen"});
@@ -44,18 +115,6 @@ class Discs : public Scene {
     m_material.declare(options);
   }
 
-  const std::string& output_directory() const override { return m_run.output_dir; }
-
-  void run(io::Summary& summary) override {
-    const material::LinearElastic law(m_material.parameters());
-    solver::Simulation<2> simulation(setup());
-    start_moving(simulation);
-    RunLoop<2> loop(m_run, simulation);
-    collide(simulation, loop, EnergyMeter<2>(simulation, law), summary);
-    loop.write_fields();
-    loop.summarise(summary);
-  }
-
   std::string answer(const io::Summary& summary) const override {
     return fmt::format("kinetic energy returned {:.4f}, restitution {:.4f}, momentum {:.2g} off",
                        summary.number("energy_ratio"), summary.number("restitution"),
@@ -63,9 +122,8 @@ class Discs : public Scene {
   }
 
  private:
-  static constexpr double first_radius = 0.2;                  // m
-  static constexpr double gap = 0.1;                           // m, between the discs at the start
-  static constexpr double direction = std::numbers::pi / 7.0;  // of the line of centres
+  static constexpr double first_radius = 0.2;  // m
+  static constexpr double gap = 0.1;           // m, between the discs at the start
   /// Of the frame, as a share of the discs' velocity in it, so that they have momentum together.
   static constexpr double drift = 0.5;
   static constexpr int cells_of_air = 4;
@@ -73,9 +131,6 @@ class Discs : public Scene {
   static constexpr double collision_in_transits = 5.0;
 
   double radius(int disc) const { return disc == 0 ? first_radius : m_second_radius; }
-  static Vector<2> along(double distance) {
-    return {distance * std::cos(direction), distance * std::sin(direction)};
-  }
   /// Discs touch at the origin if they meet undeformed.
   Vector<2> centre(int disc) const {
     const double distance = 0.5 * gap + radius(disc);
@@ -99,19 +154,17 @@ class Discs : public Scene {
 
   solver::SimulationSetup<2> setup() const {
     solver::SimulationSetup<2> setup{.lines = {line(0), line(1)}};
-    m_run.apply_to(setup);
+    m_options.apply_to(setup);
     setup.walls = {{{grid::Wall::free, grid::Wall::free}, {grid::Wall::free, grid::Wall::free}}};
     // Two laws of one kind: the number of the material tells the disc.
     setup.materials = {m_material.create(), m_material.create()};
-    setup.filling = {
-        [this](const Vector<2>& x) -> std::optional<int> {
-          for (int disc = 0; disc < 2; ++disc) {
-            const Vector<2> c = centre(disc);
-            if (std::hypot(x[0] - c[0], x[1] - c[1]) < radius(disc)) return disc;
-          }
-          return std::nullopt;
-        },
-        [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
+    setup.filling.material_at = [this](const Vector<2>& x) -> std::optional<int> {
+      for (int disc = 0; disc < 2; ++disc) {
+        const Vector<2> c = centre(disc);
+        if (std::hypot(x[0] - c[0], x[1] - c[1]) < radius(disc)) return disc;
+      }
+      return std::nullopt;
+    };
     return setup;
   }
 
@@ -136,69 +189,44 @@ class Discs : public Scene {
     }
   }
 
-  /// Mass and momentum of a disc. Collective.
-  struct Body {
-    double mass = 0.0;
-    Vector<2> momentum{};
-  };
-  static std::array<Body, 2> measure(const solver::Simulation<2>& simulation) {
-    std::array<Body, 2> bodies;
-    const auto view = simulation.particles().view();
-    for (int p = 0; p < view.count; ++p) {
-      Body& body = bodies[static_cast<std::size_t>(view.material[p])];
-      body.mass += view.mass[p];
-      for (int d = 0; d < 2; ++d) body.momentum[d] += view.mass[p] * view.velocity[d][p];
-    }
-    for (Body& body : bodies) {
-      body.mass = petsc::sum(body.mass);
-      for (double& component : body.momentum) component = petsc::sum(component);
-    }
-    return bodies;
+  run::Problem<2> problem() override {
+    m_collision = std::make_shared<Collision>(m_speed);
+    m_energies = std::make_shared<EnergyMeter<2>>(
+        std::make_shared<const material::LinearElastic>(m_material.parameters()));
+    run::Problem<2> problem{.setup = setup()};
+    problem.arrange = [this](solver::Simulation<2>& simulation) { start_moving(simulation); };
+    problem.stages = {
+        {.name = "collision", .ending = std::make_shared<run::AfterTime<2>>(duration())}};
+    problem.observers = {m_collision, m_energies, std::make_shared<run::History<2>>(history())};
+    return problem;
   }
 
-  /// Of the centres of mass, along the line on which they came, m/s.
-  static double closing_speed(const std::array<Body, 2>& bodies) {
-    return dot(bodies[0].momentum, along(1.0 / bodies[0].mass)) -
-           dot(bodies[1].momentum, along(1.0 / bodies[1].mass));
+  run::HistoryTable<2> history() const {
+    return {.path = path("history.csv"),
+            .columns = {"time_s", "closing_speed_m_per_s", "error_momentum",
+                        "kinetic_energy_J_per_m", "strain_energy_J_per_m", "total_energy_J_per_m"},
+            .row =
+                [this](const run::Moment<2>&) {
+                  const Energies& now = m_energies->now;
+                  const double of_centre = m_collision->energy_of_centre;
+                  return std::vector<double>{now.time,           m_collision->speed,
+                                             m_collision->error, now.kinetic - of_centre,
+                                             now.strain,         now.total() - of_centre};
+                },
+            .cadence = every_step()};
   }
 
-  void collide(solver::Simulation<2>& simulation, RunLoop<2>& loop, EnergyMeter<2> meter,
-               io::Summary& summary) const {
-    io::CsvFile history(
-        m_run.output_dir + "/history.csv",
-        {"time_s", "closing_speed_m_per_s", "error_momentum", "kinetic_energy_J_per_m",
-         "strain_energy_J_per_m", "total_energy_J_per_m", "dt_s", "step"});
-    const std::array<Body, 2> start = measure(simulation);
-    const Vector<2> momentum = simulation.momentum();
-    const double of_one_disc = start[0].mass * m_speed;
-    const double of_the_centre = 0.5 * dot(momentum, momentum) / simulation.total_mass();
-    double largest_error = 0.0, speed = 0.0;
-    Energies energies = meter.start();
-    loop.run({.name = "collision",
-              .share_done = [&] { return loop.clock().time_in_stage / duration() + 1e-12; },
-              .after_step =
-                  [&] {
-                    const run::Clock& clock = loop.clock();
-                    const Vector<2> now = simulation.momentum();
-                    const double error =
-                        std::hypot(now[0] - momentum[0], now[1] - momentum[1]) / of_one_disc;
-                    largest_error = std::max(largest_error, error);
-                    speed = closing_speed(measure(simulation));
-                    energies = meter.after_step(clock.time);
-                    if (m_run.row_is_due(clock.step))
-                      history.row({energies.time, speed, error, energies.kinetic - of_the_centre,
-                                   energies.strain, energies.total() - of_the_centre, clock.dt,
-                                   static_cast<double>(clock.step)});
-                  },
-              .end_time = duration()});
-    const double available = meter.start().total() - of_the_centre;
-    summary.set("error_momentum", largest_error);
-    summary.set("energy_ratio", (energies.kinetic - of_the_centre) / available);
-    summary.set("total_energy_ratio", (energies.total() - of_the_centre) / available);
-    summary.set("restitution", -speed / closing_speed(start));
+  void evaluate(run::Run<2>&, io::Summary& summary) override {
+    const double of_centre = m_collision->energy_of_centre;
+    const double available = m_energies->start.total() - of_centre;
+    summary.set("error_momentum", m_collision->largest_error);
+    summary.set("energy_ratio", (m_energies->now.kinetic - of_centre) / available);
+    summary.set("total_energy_ratio", (m_energies->now.total() - of_centre) / available);
+    summary.set("restitution", -m_collision->speed / m_collision->first_speed);
   }
 
-  run::RunOptions m_run;
+  std::shared_ptr<Collision> m_collision;
+  std::shared_ptr<EnergyMeter<2>> m_energies;
   std::int64_t m_cells = 40;
   double m_speed = 0.1;
   double m_second_radius = first_radius;

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "mpm/io/TextFile.hpp"
 #include "mpm/material/NeoHookean.hpp"
+#include "mpm/run/Endings.hpp"
+#include "mpm/run/History.hpp"
 #include "mpm/scene/DisplacementError.hpp"
-#include "mpm/scene/RunLoop.hpp"
-#include "mpm/scene/Scene.hpp"
+#include "mpm/scene/GridCase.hpp"
 
 namespace mpm::scene {
 namespace {
@@ -19,50 +19,21 @@ constexpr int the_bar = 0;  // the only material
 
 /// u = A sin(2 pi X) cos(c pi t) on 0 <= X <= 1 with P = E/2 (F - 1/F), held at both ends; the
 /// body force c^2 pi^2 u (1 + 2/F^2) makes it exact. Starts deformed and at rest, one period 2/c.
-class Mms1d : public Scene {
+class Mms1d : public GridCase<1> {
  public:
   Mms1d() {
-    m_run.output_dir = "out/mms1d";
-    m_run.largest_courant = 0.2;
-    m_run.particles_per_cell_direction = 4;
+    m_options.output_dir = "out/mms1d";
+    m_options.largest_courant = 0.2;
+    m_options.particles_per_cell_direction = 4;
   }
 
   void declare(options::OptionSet& options) override {
-    m_run.declare(options);
+    m_options.declare(options);
     options.section("Manufactured solution");
     options.integer("cells", m_cells, {3, 100'000}, {"1", "cells over the length", "chosen"});
     options.real("amplitude", m_amplitude,
                  {.minimum = 0.0, .maximum = 0.15, .open_minimum = true, .open_maximum = true},
                  {"m", "A; 0.05 makes particles cross cells", "chosen"});
-  }
-
-  const std::string& output_directory() const override { return m_run.output_dir; }
-
-  void run(io::Summary& summary) override {
-    solver::Simulation<1> simulation(setup());
-    deform(simulation);
-    simulation.set_body_force(
-        [&](const Vector<1>& X, double t) { return Vector<1>{body_force(X[0], t)}; });
-    RunLoop<1> loop(m_run, simulation);
-    io::CsvFile history(m_run.output_dir + "/history.csv",
-                        {"time_s", "error_displacement_rms", "kinetic_energy_J", "dt_s", "step"});
-    const double period = 2.0 / c();
-    double largest = 0.0;
-    loop.run({.name = "vibration",
-              .share_done = [&] { return loop.clock().time_in_stage / period + 1e-12; },
-              .after_step =
-                  [&] {
-                    const double error = displacement_error(simulation, loop.clock().time);
-                    largest = std::max(largest, error);
-                    const run::Clock& clock = loop.clock();
-                    if (m_run.row_is_due(clock.step))
-                      history.row({clock.time, error, simulation.kinetic_energy(), clock.dt,
-                                   static_cast<double>(clock.step)});
-                  },
-              .end_time = period});
-    loop.write_fields();
-    loop.summarise(summary);
-    summary.set("error_displacement_rms", largest);
   }
 
   std::string answer(const io::Summary& summary) const override {
@@ -88,42 +59,57 @@ class Mms1d : public Scene {
   solver::SimulationSetup<1> setup() const {
     solver::SimulationSetup<1> setup{
         .lines = {basis::KnotLines::uniform(0.0, 1.0, static_cast<int>(m_cells))}};
-    m_run.apply_to(setup);
+    m_options.apply_to(setup);
     setup.walls = {{{grid::Wall::fixed, grid::Wall::fixed}}};
     setup.materials = {std::make_shared<material::NeoHookean>(material::NeoHookeanParameters{
         .youngs_modulus = youngs_modulus, .poisson_ratio = 0.0, .density = 1.0})};
-    setup.filling = {
-        [](const auto&) { return the_bar; },
-        [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
+    setup.filling.material_at = [](const auto&) { return the_bar; };
     return setup;
   }
 
   /// Puts the particles, seeded in the undeformed bar, to where they are at t = 0.
   void deform(solver::Simulation<1>& simulation) const {
-    {
-      const auto view = simulation.particles().view();
-      double* J = view[simulation.particles().state(the_bar, "volume_ratio")];
-      for (int p = 0; p < view.count; ++p) {
-        const double X = view.position[0][p], F = stretch(X, 0.0);
-        view.displacement[0][p] = displacement(X, 0.0);
-        view.position[0][p] += view.displacement[0][p];
-        view.volume[p] *= F;
-        view.stress[0][p] = 0.5 * youngs_modulus * (F - 1.0 / F);
-        J[p] = F;
-      }
+    const auto view = simulation.particles().view();
+    double* J = view[simulation.particles().state(the_bar, "volume_ratio")];
+    for (int p = 0; p < view.count; ++p) {
+      const double X = view.position[0][p], F = stretch(X, 0.0);
+      view.displacement[0][p] = displacement(X, 0.0);
+      view.position[0][p] += view.displacement[0][p];
+      view.volume[p] *= F;
+      view.stress[0][p] = 0.5 * youngs_modulus * (F - 1.0 / F);
+      J[p] = F;
     }
-    simulation.particles().migrate();
   }
 
-  /// Share of the amplitude.
-  double displacement_error(const solver::Simulation<1>& simulation, double time) const {
-    return rms_displacement_error<1>(
-               simulation,
-               [&](const Vector<1>& X) { return Vector<1>{displacement(X[0], time)}; }) /
-           m_amplitude;
+  run::Problem<1> problem() override {
+    m_error = std::make_shared<DisplacementError<1>>(
+        [this](const Vector<1>& X, double t) { return Vector<1>{displacement(X[0], t)}; },
+        m_amplitude);
+    run::Problem<1> problem{.setup = setup()};
+    problem.arrange = [this](solver::Simulation<1>& simulation) { deform(simulation); };
+    problem.body_force = [this](const Vector<1>& X, double t) {
+      return Vector<1>{body_force(X[0], t)};
+    };
+    problem.stages = {
+        {.name = "vibration", .ending = std::make_shared<run::AfterTime<1>>(2.0 / c())}};
+    problem.observers = {m_error,
+                         std::make_shared<run::History<1>>(run::HistoryTable<1>{
+                             .path = path("history.csv"),
+                             .columns = {"time_s", "error_displacement_rms", "kinetic_energy_J"},
+                             .row =
+                                 [this](const run::Moment<1>& now) {
+                                   return std::vector<double>{now.clock.time, m_error->last,
+                                                              now.simulation.kinetic_energy()};
+                                 },
+                             .cadence = every_step()})};
+    return problem;
   }
 
-  run::RunOptions m_run;
+  void evaluate(run::Run<1>&, io::Summary& summary) override {
+    summary.set("error_displacement_rms", m_error->largest);
+  }
+
+  std::shared_ptr<DisplacementError<1>> m_error;
   std::int64_t m_cells = 64;
   double m_amplitude = 0.05;
 };

@@ -6,8 +6,9 @@
 #include "mpm/core/Errors.hpp"
 #include "mpm/material/LinearElastic.hpp"
 #include "mpm/petsc/Session.hpp"
-#include "mpm/scene/RunLoop.hpp"
-#include "mpm/scene/Scene.hpp"
+#include "mpm/run/Endings.hpp"
+#include "mpm/run/History.hpp"
+#include "mpm/scene/GridCase.hpp"
 
 namespace mpm::scene {
 namespace {
@@ -16,12 +17,12 @@ enum class PatchWall { roller, fixed };
 
 /// A full box under constant stress: all nodal forces must vanish. Between rollers there is no
 /// shear stress, between fixed walls there is.
-class Patch : public Scene {
+class Patch : public GridCase<2> {
  public:
-  Patch() { m_run.output_dir = "out/patch"; }
+  Patch() { m_options.output_dir = "out/patch"; }
 
   void declare(options::OptionSet& options) override {
-    m_run.declare(options);
+    m_options.declare(options);
     options.section("Patch");
     options.integer("cells", m_cells, {3, 10'000}, {"1", "cells per direction", "chosen"});
     options.real("amplitude", m_stress, options::positive(),
@@ -34,20 +35,6 @@ class Patch : public Scene {
         "placement", m_placement,
         {{"midpoint", particles::Placement::midpoint}, {"gauss", particles::Placement::gauss}},
         {"", "where particles stand in their cells", "docs/model.md"});
-  }
-
-  const std::string& output_directory() const override { return m_run.output_dir; }
-
-  void run(io::Summary& summary) override {
-    solver::Simulation<2> simulation(setup());
-    stress_particles(simulation);
-    RunLoop<2> loop(m_run, simulation);
-    loop.run({.name = "patch",
-              .share_done = [&] { return loop.clock().step >= 1 ? 1.0 : 0.0; },
-              .longest_step = 1e-12});
-    loop.write_fields();
-    loop.summarise(summary);
-    summary.set("residual_max", largest_residual(simulation));
   }
 
   std::string answer(const io::Summary& summary) const override {
@@ -67,15 +54,24 @@ class Patch : public Scene {
   solver::SimulationSetup<2> setup() const {
     const grid::Wall wall = m_wall == PatchWall::fixed ? grid::Wall::fixed : grid::Wall::roller;
     solver::SimulationSetup<2> setup{.lines = {lines(), lines()}};
-    m_run.apply_to(setup);
+    m_options.apply_to(setup);
     setup.walls = {{{wall, wall}, {wall, wall}}};
     setup.materials = {std::make_shared<material::LinearElastic>(
         material::LinearElasticParameters{.youngs_modulus = 3e6, .density = 1700.0})};
     setup.filling = {
         [](const auto&) { return 0; },
-        [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); },
+        [this](const auto&) { return static_cast<int>(m_options.particles_per_cell_direction); },
         m_placement};
     return setup;
+  }
+
+  run::Problem<2> problem() override {
+    run::Problem<2> problem{.setup = setup()};
+    problem.arrange = [this](solver::Simulation<2>& simulation) { stress_particles(simulation); };
+    problem.stages = {{.name = "patch",
+                       .ending = std::make_shared<run::AfterSteps<2>>(1),
+                       .longest_step = 1e-12}};
+    return problem;
   }
 
   void stress_particles(solver::Simulation<2>& simulation) const {
@@ -89,6 +85,10 @@ class Patch : public Scene {
     }
   }
 
+  void evaluate(run::Run<2>& run, io::Summary& summary) override {
+    summary.set("residual_max", largest_residual(run.simulation()));
+  }
+
   /// Share of the stress times the smallest face of a cell.
   double largest_residual(const solver::Simulation<2>& simulation) const {
     const grid::NodalField<2>& sums = simulation.step().nodal_sums();
@@ -99,7 +99,6 @@ class Patch : public Scene {
     return petsc::maximum(largest) / (m_stress * lines().smallest_width());
   }
 
-  run::RunOptions m_run;
   std::int64_t m_cells = 8;
   double m_stress = 3e4;
   double m_grading = 1.0;

@@ -14,7 +14,8 @@ namespace {
 using test::equal_lines;
 
 constexpr double side = 2.4;  // m
-const material::LinearElastic law{test::soft};
+const auto shared_law = std::make_shared<const material::LinearElastic>(test::soft);
+const material::LinearElastic& law = *shared_law;
 
 TEST(EnergyMeter, measures_uniform_stress_and_velocity) {
   test::TimedSimulation<2> simulation(
@@ -22,7 +23,10 @@ TEST(EnergyMeter, measures_uniform_stress_and_velocity) {
   const SymmetricTensor strain{{2e-3, -1e-3, 0.0, 7e-4, 0.0, 0.0}};
   test::set_stress(simulation, law.stress_increment(strain));
   test::set_velocity<2>(simulation, [](const auto&) { return Vector<2>{0.3, -0.4}; });
-  const Energies start = EnergyMeter<2>(simulation, law).start();
+  EnergyMeter<2> meter(shared_law);
+  const run::Clock clock;
+  meter.begin({simulation, clock});
+  const Energies start = meter.start;
   const double area = side * side, volumetric = trace(strain);
   EXPECT_NEAR(start.kinetic, 0.5 * test::soft.density * area * 0.25, 1e-10);
   EXPECT_NEAR(start.strain,
@@ -39,15 +43,17 @@ TEST(EnergyMeter, total_energy_of_a_vibrating_bar_stays) {
   test::set_velocity<1>(simulation, [](const Vector<1>& x) {
     return Vector<1>{1e-3 * std::sin(std::numbers::pi * x[0] / side)};
   });
-  EnergyMeter<1> meter(simulation, law);
+  EnergyMeter<1> meter(shared_law);
+  run::Clock clock;
+  meter.begin({simulation, clock});
   const double wave_speed =
       std::sqrt((law.lambda() + 2 * law.shear_modulus()) / test::soft.density);
   double largest = 0.0;
   while (simulation.time() < 2.0 * side / wave_speed) {
     simulation.advance();
-    largest = std::max(
-        largest,
-        std::abs(meter.after_step(simulation.time()).total() / meter.start().total() - 1.0));
+    clock.advance(simulation.times);
+    meter.after_step({simulation, clock});
+    largest = std::max(largest, std::abs(meter.now.total() / meter.start.total() - 1.0));
   }
   EXPECT_LT(largest, 5e-4);
 }

@@ -4,7 +4,7 @@
 
 #include "mpm/core/Errors.hpp"
 #include "mpm/material/SandLaw.hpp"
-#include "mpm/scene/WatchedParticle.hpp"
+#include "mpm/run/WatchedParticle.hpp"
 #include "support/Scenes.hpp"
 
 namespace mpm::scene {
@@ -31,7 +31,9 @@ TEST(WatchedParticle, reads_the_state_of_its_own_law_in_either_order_of_the_laws
     const SymmetricTensor stress{{-4e3, -7e3, -5e3, 1.5e3, 0.0, 0.0}};
     test::set_stress(simulation, stress);
     const auto& particles = simulation.particles();
-    const WatchedParticle watched(particles, {0.31, 0.77});
+    run::WatchedParticle<2> watched({0.31, 0.77});
+    const run::Clock clock;
+    watched.begin({simulation, clock});
     {
       const auto eps_q = particles.state(block_is_first ? 1 : 0, "eps_q");
       const auto view = particles.view();

@@ -25,6 +25,13 @@ class Cadence {
   Cadence(std::vector<double> marks, Measure measure)
       : m_next(marks.front()), m_marks(std::move(marks)), m_measure(std::move(measure)) {}
 
+  /// Marks so much apart from where the last sample was.
+  static Cadence apart(double spacing, Measure measure) {
+    Cadence cadence(spacing, std::move(measure));
+    cadence.m_counts_from_last = true;
+    return cadence;
+  }
+
   /// Every so many steps where that is asked for (not 0), else this.
   Cadence or_every(long long steps) const { return steps > 0 ? Cadence(steps) : *this; }
 
@@ -43,6 +50,7 @@ class Cadence {
   static constexpr double round_off = 1e-6;  // of a spacing
 
   double mark_after(double now) const {
+    if (m_counts_from_last) return now + m_spacing;
     if (m_marks.empty()) return m_spacing * (std::floor(now / m_spacing + round_off) + 1.0);
     for (const double mark : m_marks)
       if (mark > now) return mark;
@@ -52,6 +60,7 @@ class Cadence {
   long long m_steps = 0;
   double m_spacing = 0.0;
   double m_next = 0.0;
+  bool m_counts_from_last = false;
   std::vector<double> m_marks;
   Measure m_measure;
 };

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
 
-#include "mpm/petsc/Session.hpp"
-#include "mpm/solver/Simulation.hpp"
+#include "mpm/run/Observer.hpp"
 
 namespace mpm::scene {
 
@@ -23,7 +26,42 @@ double rms_displacement_error(const solver::Simulation<dim>& simulation, const E
     }
   }
   const auto count = static_cast<double>(simulation.particles().global_count());
-  return std::sqrt(petsc::sum(sum) / count);
+  return std::sqrt(simulation.communicator().sum(sum) / count);
 }
+
+/// Follows that error over time as a share of an amplitude.
+template <int dim>
+class DisplacementError : public run::Observer<dim> {
+ public:
+  /// At an undeformed position and a time, m.
+  using Exact = std::function<Vector<dim>(const Vector<dim>&, double)>;
+
+  /// `amplitude` in m. An error above `failure_share` of it counts as failure.
+  DisplacementError(Exact exact, double amplitude,
+                    double failure_share = std::numeric_limits<double>::max())
+      : m_exact(std::move(exact)), m_amplitude(amplitude), m_failure_share(failure_share) {}
+
+  void after_step(const run::Moment<dim>& now) override {
+    const double time = now.clock.time;
+    last = rms_displacement_error<dim>(now.simulation,
+                                       [&](const Vector<dim>& X) { return m_exact(X, time); }) /
+           m_amplitude;
+    largest = std::max(largest, last);
+    if (failed_at < 0.0 && last > m_failure_share) failed_at = time;
+  }
+
+  void persist(Archive& archive) override {
+    archive("last", last);
+    archive("largest", largest);
+    archive("failed_at", failed_at);
+  }
+
+  double last = 0.0, largest = 0.0;  ///< share of the amplitude
+  double failed_at = -1.0;           ///< s; negative if it has not failed
+
+ private:
+  Exact m_exact;
+  double m_amplitude, m_failure_share;
+};
 
 }  // namespace mpm::scene

@@ -1,8 +1,9 @@
 #pragma once
 
+#include <memory>
+
 #include "mpm/material/LinearElastic.hpp"
-#include "mpm/petsc/Session.hpp"
-#include "mpm/solver/Simulation.hpp"
+#include "mpm/run/Observer.hpp"
 
 namespace mpm::scene {
 
@@ -26,38 +27,55 @@ double strain_energy(const solver::Simulation<dim>& simulation,
     for (int k = 0; k < tensor_components<dim>; ++k) stress[k] = view.stress[k][p];
     energy += view.volume[p] * law.strain_energy_density(stress);
   }
-  return petsc::sum(energy);
+  return simulation.communicator().sum(energy);
 }
 
 /// Energies of linear elastic bodies over time. Stress lives at the ends of steps and velocity at
 /// their middles, so the kinetic energy at the end of a step is known only one step later.
 template <int dim>
-class EnergyMeter {
+class EnergyMeter : public run::Observer<dim> {
  public:
-  /// Measures the start at time 0, where velocity and stress belong to one time. Collective; both
-  /// must outlive the meter.
-  EnergyMeter(const solver::Simulation<dim>& simulation, const material::LinearElastic& law)
-      : m_simulation(simulation), m_law(law), m_start(at(0.0)), m_last(m_start) {}
+  explicit EnergyMeter(std::shared_ptr<const material::LinearElastic> law)
+      : m_law(std::move(law)) {}
 
-  const Energies& start() const { return m_start; }
+  /// Measures the start, where velocity and stress belong to one time.
+  void begin(const run::Moment<dim>& moment) override { start = m_last = now = at(moment); }
 
-  /// To be called after every step, which ends at `time`: the energies where that step began, the
-  /// kinetic one as the mean of half a step before and half a step after. Collective.
-  Energies after_step(double time) {
+  void after_step(const run::Moment<dim>& moment) override {
     const Energies before = m_last;
-    m_last = at(time);
-    if (before.time == m_start.time) return m_start;
-    return {before.time, 0.5 * (before.kinetic + m_last.kinetic), before.strain};
+    m_last = at(moment);
+    now = start;
+    if (before.time != start.time)
+      now = {before.time, 0.5 * (before.kinetic + m_last.kinetic), before.strain};
   }
+
+  void persist(Archive& archive) override {
+    persist(archive, "start", start);
+    persist(archive, "last", m_last);
+    persist(archive, "now", now);
+  }
+
+  Energies start;
+  /// Where the last step began, the kinetic energy as the mean of half a step before and half a
+  /// step after.
+  Energies now;
 
  private:
-  Energies at(double time) const {
-    return {time, m_simulation.kinetic_energy(), strain_energy(m_simulation, m_law)};
+  Energies at(const run::Moment<dim>& moment) const {
+    return {moment.clock.time, moment.simulation.kinetic_energy(),
+            strain_energy(moment.simulation, *m_law)};
   }
 
-  const solver::Simulation<dim>& m_simulation;
-  const material::LinearElastic& m_law;
-  Energies m_start, m_last;
+  static void persist(Archive& archive, const char* name, Energies& energies) {
+    archive.group(name, [&] {
+      archive("time", energies.time);
+      archive("kinetic", energies.kinetic);
+      archive("strain", energies.strain);
+    });
+  }
+
+  std::shared_ptr<const material::LinearElastic> m_law;
+  Energies m_last;
 };
 
 }  // namespace mpm::scene
