@@ -77,12 +77,12 @@ bool Run<dim>::counts(const Stage<dim>& stage) const {
 }
 
 template <int dim>
-void Run<dim>::go() {
+void Run<dim>::go(Fields at_end) {
   for (const auto& observer : m_problem.observers) observer->begin(moment());
   for (const Stage<dim>& stage : m_problem.stages)
     if (!follow(stage)) break;
   for (const auto& observer : m_problem.observers) observer->end(moment());
-  write_fields();
+  if (at_end == Fields::written) write_fields();
 }
 
 template <int dim>

@@ -9,7 +9,8 @@
 #include "mpm/io/TextFile.hpp"
 #include "mpm/material/LinearElastic.hpp"
 #include "mpm/petsc/Session.hpp"
-#include "mpm/scene/RunLoop.hpp"
+#include "mpm/run/Endings.hpp"
+#include "mpm/run/Run.hpp"
 #include "mpm/scene/Scene.hpp"
 
 namespace mpm::scene {
@@ -78,100 +79,47 @@ std::array<basis::KnotLines, dim> repeated(const basis::KnotLines& line) {
   if constexpr (dim == 3) return {line, line, line};
 }
 
-/// An elastic body whose surfaces stand at one place in their cells, shaken a little.
+/// Follows the energy of a shaken body.
 template <int dim>
-class CutCellRun {
+class ShakenEnergy : public run::Observer<dim> {
  public:
-  CutCellRun(const CutCellOptions& options, double offset);
+  ShakenEnergy(const material::LinearElasticParameters& elastic, std::int64_t steps)
+      : m_elastic(elastic), m_steps(steps) {}
 
-  void run();
-  void write_row(io::CsvFile& history) const;
-  void write_fields() { m_loop.write_fields(); }
-  void summarise(io::Summary& summary) const { m_loop.summarise(summary); }
-  double growth() const;
-  bool is_stable() const;
+  void begin(const run::Moment<dim>& now) override { m_initial = energy(now.simulation); }
+  void after_step(const run::Moment<dim>& now) override;
+  void persist(Archive& archive) override {
+    archive("initial", m_initial);
+    archive("last", last);
+    archive("largest", m_largest);
+  }
+
+  /// Largest energy over that at the start.
+  double growth() const { return *std::max_element(m_largest.begin(), m_largest.end()); }
+  /// Energy goes to and fro between motion and strain; what counts is whether it rises for good.
+  bool has_stayed() const {
+    const double earlier = *std::max_element(m_largest.begin(), m_largest.end() - windows / 2);
+    return growth() < blown_up && m_largest.back() <= unsteady * earlier;
+  }
+
+  double last = 1.0;  ///< of the last step, over that at the start
 
  private:
-  static solver::SimulationSetup<dim> setup(const CutCellOptions& options);
-  void shift();
-  void shake();
-  double energy() const;
+  double energy(const solver::Simulation<dim>& simulation) const;
 
-  const CutCellOptions& m_options;
-  double m_offset;
-  solver::Simulation<dim> m_simulation;
-  RunLoop<dim> m_loop;
-  double m_initial_energy = 0.0;  ///< J
-  double m_energy = 1.0;          ///< of the last step, over that at the start
+  material::LinearElasticParameters m_elastic;
+  std::int64_t m_steps;
+  double m_initial = 0.0;  ///< J
   /// Largest energy of each window, over that at the start.
   std::vector<double> m_largest = std::vector<double>(windows, 0.0);
 };
 
-template <int dim>
-CutCellRun<dim>::CutCellRun(const CutCellOptions& options, double offset)
-    : m_options(options),
-      m_offset(offset),
-      m_simulation(setup(options)),
-      m_loop(options.run, m_simulation) {
-  shift();
-  shake();
-  m_initial_energy = energy();
-}
-
-template <int dim>
-solver::SimulationSetup<dim> CutCellRun<dim>::setup(const CutCellOptions& options) {
-  const auto n = static_cast<int>(options.cells);
-  const auto line = basis::KnotLines::uniform(-margin * cell, (n + margin) * cell, n + 2 * margin);
-  solver::SimulationSetup<dim> setup{.lines = repeated<dim>(line)};
-  options.run.apply_to(setup);
-  for (auto& direction : setup.walls) direction = {grid::Wall::free, grid::Wall::free};
-  setup.materials = {options.material.create()};
-  setup.filling = {[side = n * cell](const Vector<dim>& x) {
-                     const bool inside = std::all_of(x.begin(), x.end(),
-                                                     [&](double c) { return c > 0.0 && c < side; });
-                     return inside ? std::optional(0) : std::nullopt;
-                   },
-                   [&options](const auto&) {
-                     return static_cast<int>(options.run.particles_per_cell_direction);
-                   }};
-  return setup;
-}
-
-/// Seeded on cells, the particles keep their even spacing.
-template <int dim>
-void CutCellRun<dim>::shift() {
-  {
-    const auto view = m_simulation.particles().view();
-    for (int p = 0; p < view.count; ++p)
-      for (std::size_t d = 0; d < dim; ++d) view.position[d][p] += m_offset * cell;
-  }
-  m_simulation.particles().migrate();
-}
-
-/// Random velocities without a mean, all particles being equally heavy.
-template <int dim>
-void CutCellRun<dim>::shake() {
-  const auto& elastic = m_options.material.parameters();
-  const double largest = m_options.amplitude * std::sqrt(elastic.youngs_modulus / elastic.density);
-  {
-    const auto view = m_simulation.particles().view();
-    for (int p = 0; p < view.count; ++p)
-      for (std::size_t d = 0; d < dim; ++d)
-        view.velocity[d][p] = largest * scatter(static_cast<std::uint64_t>(view.id[p]) * dim + d);
-  }
-  const Vector<dim> momentum = m_simulation.momentum();
-  const double mass = m_simulation.total_mass();
-  const auto view = m_simulation.particles().view();
-  for (int p = 0; p < view.count; ++p)
-    for (std::size_t d = 0; d < dim; ++d) view.velocity[d][p] -= momentum[d] / mass;
-}
-
 /// Kinetic, and elastic from the stress: V (s:s (1 + nu) - nu tr(s)^2)/(2 E). J per unit of the
 /// dimensions left out.
 template <int dim>
-double CutCellRun<dim>::energy() const {
-  const auto& [E, nu, density] = m_options.material.parameters();
-  const auto view = m_simulation.particles().view();
+double ShakenEnergy<dim>::energy(const solver::Simulation<dim>& simulation) const {
+  const auto& [E, nu, density] = m_elastic;
+  const auto view = simulation.particles().view();
   double sum = 0.0;
   for (int p = 0; p < view.count; ++p) {
     SymmetricTensor stress;
@@ -182,45 +130,76 @@ double CutCellRun<dim>::energy() const {
     for (std::size_t d = 0; d < dim; ++d)
       sum += 0.5 * view.mass[p] * view.velocity[d][p] * view.velocity[d][p];
   }
-  return petsc::sum(sum);
+  return simulation.communicator().sum(sum);
 }
 
 template <int dim>
-void CutCellRun<dim>::run() {
-  const auto steps = static_cast<double>(m_options.steps);
-  const run::Clock& clock = m_loop.clock();
-  const auto after_step = [&] {
-    m_energy = energy() / m_initial_energy;
-    if (std::isnan(m_energy)) m_energy = blown_up;
-    const auto window = static_cast<std::size_t>((clock.step - 1) * windows / m_options.steps);
-    m_largest[window] = std::max(m_largest[window], m_energy);
+void ShakenEnergy<dim>::after_step(const run::Moment<dim>& now) {
+  last = energy(now.simulation) / m_initial;
+  if (std::isnan(last)) last = blown_up;
+  const auto window = static_cast<std::size_t>((now.clock.step - 1) * windows / m_steps);
+  m_largest[window] = std::max(m_largest[window], last);
+}
+
+template <int dim>
+solver::SimulationSetup<dim> setup_of(const CutCellOptions& options) {
+  const auto n = static_cast<int>(options.cells);
+  const auto line = basis::KnotLines::uniform(-margin * cell, (n + margin) * cell, n + 2 * margin);
+  solver::SimulationSetup<dim> setup{.lines = repeated<dim>(line)};
+  options.run.apply_to(setup);
+  for (auto& direction : setup.walls) direction = {grid::Wall::free, grid::Wall::free};
+  setup.materials = {options.material.create()};
+  setup.filling.material_at = [side = n * cell](const Vector<dim>& x) {
+    const bool inside =
+        std::all_of(x.begin(), x.end(), [&](double c) { return c > 0.0 && c < side; });
+    return inside ? std::optional(0) : std::nullopt;
   };
-  m_loop.run(
-      {.name = fmt::format("offset {:.3g}", m_offset),
-       .share_done =
-           [&] { return m_energy < blown_up ? static_cast<double>(clock.step) / steps : 1.0; },
-       .after_step = after_step});
+  return setup;
 }
 
+/// Seeded on cells, the particles keep their even spacing.
 template <int dim>
-void CutCellRun<dim>::write_row(io::CsvFile& history) const {
-  history.row({m_offset, growth(), m_energy, is_stable() ? 1.0 : 0.0,
-               static_cast<double>(m_loop.clock().step)});
+void shift(solver::Simulation<dim>& simulation, double offset) {
+  const auto view = simulation.particles().view();
+  for (int p = 0; p < view.count; ++p)
+    for (std::size_t d = 0; d < dim; ++d) view.position[d][p] += offset * cell;
 }
 
-/// Largest energy over that at the start.
+/// Random velocities without a mean, all particles being equally heavy.
 template <int dim>
-double CutCellRun<dim>::growth() const {
-  return *std::max_element(m_largest.begin(), m_largest.end());
+void shake(solver::Simulation<dim>& simulation, const CutCellOptions& options) {
+  const auto& elastic = options.material.parameters();
+  const double largest = options.amplitude * std::sqrt(elastic.youngs_modulus / elastic.density);
+  {
+    const auto view = simulation.particles().view();
+    for (int p = 0; p < view.count; ++p)
+      for (std::size_t d = 0; d < dim; ++d)
+        view.velocity[d][p] = largest * scatter(static_cast<std::uint64_t>(view.id[p]) * dim + d);
+  }
+  const Vector<dim> momentum = simulation.momentum();
+  const double mass = simulation.total_mass();
+  const auto view = simulation.particles().view();
+  for (int p = 0; p < view.count; ++p)
+    for (std::size_t d = 0; d < dim; ++d) view.velocity[d][p] -= momentum[d] / mass;
 }
 
-/// Energy goes to and fro between motion and strain; what counts is whether it rises for good. A
-/// run that was cut short has shown nothing.
+/// An elastic body whose surfaces stand at one place in their cells, shaken a little.
 template <int dim>
-bool CutCellRun<dim>::is_stable() const {
-  const double earlier = *std::max_element(m_largest.begin(), m_largest.end() - windows / 2);
-  const bool is_complete = m_loop.clock().step >= m_options.steps;
-  return is_complete && growth() < blown_up && m_largest.back() <= unsteady * earlier;
+run::Problem<dim> problem_at(double offset, const CutCellOptions& options,
+                             const std::shared_ptr<ShakenEnergy<dim>>& energy) {
+  run::Problem<dim> problem{.setup = setup_of<dim>(options)};
+  problem.arrange = [offset, &options](solver::Simulation<dim>& simulation) {
+    shift<dim>(simulation, offset);
+    shake<dim>(simulation, options);
+  };
+  const auto steps = static_cast<double>(options.steps);
+  problem.stages = {
+      {.name = fmt::format("offset {:.3g}", offset),
+       .ending = std::make_shared<run::When<dim>>([energy, steps](const run::Moment<dim>& now) {
+         return energy->last < blown_up ? static_cast<double>(now.clock.step) / steps : 1.0;
+       })}};
+  problem.observers = {energy};
+  return problem;
 }
 
 /// A free elastic body is shaken at random while its surfaces stand at a given place in their
@@ -256,24 +235,31 @@ class CutCell : public Scene {
     double worst = 0.0, worst_offset = 0.0;
     std::int64_t stable = 0;
     for (const double offset : places) {
-      CutCellRun<dim> run(m_options, offset);
-      run.run();
-      run.write_row(history);
-      if (run.is_stable()) ++stable;
-      if (run.growth() > worst) {
-        worst = run.growth();
+      const auto energy =
+          std::make_shared<ShakenEnergy<dim>>(m_options.material.parameters(), m_options.steps);
+      run::Run<dim> run(m_options.run, problem_at<dim>(offset, m_options, energy));
+      run.go(offset == places.back() ? run::Fields::written : run::Fields::left_out);
+      // A run that was cut short has shown nothing.
+      const long long steps = run.clock().step;
+      const bool is_stable = steps >= m_options.steps && energy->has_stayed();
+      history.row({offset, energy->growth(), energy->last, is_stable ? 1.0 : 0.0,
+                   static_cast<double>(steps)});
+      if (is_stable) ++stable;
+      if (energy->growth() > worst) {
+        worst = energy->growth();
         worst_offset = offset;
       }
-      if (offset != places.back()) continue;
-      run.write_fields();
-      run.summarise(summary);
+      if (offset == places.back()) run.summarise(summary);
     }
-    const auto all = static_cast<std::int64_t>(places.size());
+    report(static_cast<std::int64_t>(places.size()), stable, summary);
+    summary.set("energy_growth", worst);
+    summary.set("worst_offset", worst_offset);
+  }
+
+  static void report(std::int64_t all, std::int64_t stable, io::Summary& summary) {
     summary.set("offsets", all);
     summary.set("stable_offsets", stable);
     summary.set("stable", stable == all ? 1 : 0);
-    summary.set("energy_growth", worst);
-    summary.set("worst_offset", worst_offset);
   }
 
   CutCellOptions m_options;

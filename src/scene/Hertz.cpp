@@ -4,13 +4,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "mpm/io/TextFile.hpp"
 #include "mpm/material/LinearElastic.hpp"
 #include "mpm/petsc/Session.hpp"
+#include "mpm/run/Endings.hpp"
+#include "mpm/run/History.hpp"
 #include "mpm/scene/ContactDetection.hpp"
+#include "mpm/scene/GridCase.hpp"
 #include "mpm/scene/RigidContactOf.hpp"
-#include "mpm/scene/Scene.hpp"
-#include "mpm/scene/Settling.hpp"
 
 namespace mpm::scene {
 namespace {
@@ -40,15 +40,19 @@ class RecordedPlane : public grid::Constraint<2> {
       m_impulse[m_columns[static_cast<std::size_t>(I)]] += given[1];
   }
 
-  /// Mean force of each column since the last call, N/m. Collective.
-  std::vector<double> take_forces() {
-    std::vector<double> forces;
-    for (double& impulse : m_impulse) {
-      forces.push_back(petsc::sum(impulse) / m_time);
-      impulse = 0.0;
-    }
+  /// Takes the mean force of each column since the last call, N/m. Collective.
+  void take_forces() {
+    m_forces.clear();
+    for (double& impulse : m_impulse)
+      m_forces.push_back(petsc::sum(std::exchange(impulse, 0.0)) / m_time);
     m_time = 0.0;
-    return forces;
+  }
+  const std::vector<double>& forces() const { return m_forces; }
+
+  void persist(Archive& archive) override {
+    archive("column_impulse", m_impulse);
+    archive("time", m_time);
+    archive("forces", m_forces);
   }
 
  private:
@@ -56,6 +60,7 @@ class RecordedPlane : public grid::Constraint<2> {
   std::vector<std::size_t> m_columns;  ///< of the local nodes
   std::vector<double> m_impulse;       ///< N s/m, this rank's share
   double m_time = 0.0;
+  std::vector<double> m_forces;  ///< last taken
 };
 
 /// The lower half of an elastic cylinder is pressed on a rigid plane without friction by a uniform
@@ -63,16 +68,16 @@ class RecordedPlane : public grid::Constraint<2> {
 /// cylinders pressed together. Exact for small contact widths (Hertz 1881; Johnson 1985, section
 /// 4.2): with P = 2 R q and E* = E/(1 - nu^2) the pressure is p0 sqrt(1 - x^2/b^2),
 /// p0 = sqrt(P E*/(pi R)), b = 2 P/(pi p0).
-class Hertz : public Scene {
+class Hertz : public GridCase<2> {
  public:
   Hertz() {
-    m_run.output_dir = "out/hertz";
-    m_run.largest_courant = 0.9;
+    m_options.output_dir = "out/hertz";
+    m_options.largest_courant = 0.9;
     m_material.parameters() = {.youngs_modulus = 200.0, .poisson_ratio = 0.3, .density = 1.0};
   }
 
   void declare(options::OptionSet& options) override {
-    m_run.declare(options);
+    m_options.declare(options);
     options.section("Hertz");
     options.integer("cells", m_cells, {8, 10'000}, {"1", "cells over the radius", "chosen"});
     options.real("radius", m_radius, options::positive(), {"m", "of the cylinder", "chosen"});
@@ -88,33 +93,6 @@ class Hertz : public Scene {
                  {"1", "ends when sum |f| falls below this share of the load", "chosen"});
     declare_detection(options, m_detection, m_gap_cells);
     m_material.declare(options);
-  }
-
-  const std::string& output_directory() const override { return m_run.output_dir; }
-
-  void run(io::Summary& summary) override {
-    solver::Simulation<2> simulation(setup());
-    round_off_bottom(simulation);
-    simulation.boundary().add(cut());
-    const auto plane = make_plane(simulation);
-    simulation.add_constraint(plane);
-    RunLoop<2> loop(m_run, simulation);
-    io::CsvFile history(m_run.output_dir + "/history.csv",
-                        {"time_s", "load_Pa", "contact_force_N_per_m", "out_of_balance",
-                         "kinetic_energy_J_per_m", "dt_s", "step"});
-    std::vector<double> forces;
-    const auto row = [&](double unbalanced) {
-      const run::Clock& clock = loop.clock();
-      forces = plane->take_forces();
-      double sum = 0.0;
-      for (double force : forces) sum += force;
-      history.row({clock.time, load_at(clock.time), 2.0 * sum, unbalanced,
-                   simulation.kinetic_energy(), clock.dt, static_cast<double>(clock.step)});
-    };
-    if (press(simulation, loop, row)) come_to_rest(simulation, loop, row);
-    loop.write_fields();
-    loop.summarise(summary);
-    if (!forces.empty()) report(simulation, forces, summary);
   }
 
   std::string answer(const io::Summary& summary) const override {
@@ -155,38 +133,33 @@ class Hertz : public Scene {
         .lines = {basis::KnotLines::uniform(0.0, cells_x * cell(), cells_x),
                   basis::KnotLines::uniform(-cells_below * cell(), cells_y * cell(),
                                             cells_y + cells_below)}};
-    m_run.apply_to(setup);
+    m_options.apply_to(setup);
     using grid::Wall;
     setup.walls = {{{Wall::symmetry, Wall::free}, {Wall::free, Wall::free}}};
     setup.materials = {m_material.create()};
-    setup.filling = {
-        [this](const Vector<2>& x) {
-          const bool inside = x[0] < m_radius && x[1] > 0.0 && x[1] < m_radius;
-          return inside ? std::optional(0) : std::nullopt;
-        },
-        [this](const auto&) { return static_cast<int>(m_run.particles_per_cell_direction); }};
+    setup.filling.material_at = [this](const Vector<2>& x) {
+      const bool inside = x[0] < m_radius && x[1] > 0.0 && x[1] < m_radius;
+      return inside ? std::optional(0) : std::nullopt;
+    };
     return setup;
   }
 
   /// Shortens the columns of the square block to the cylinder: rows of a lattice would end in steps
   /// as high as the gap that contact has to close.
   void round_off_bottom(solver::Simulation<2>& simulation) const {
-    {
-      const auto view = simulation.particles().view();
-      for (int p = 0; p < view.count; ++p) {
-        const double lowest = bottom(view.position[0][p]);
-        const double share = 1.0 - lowest / m_radius;
-        view.position[1][p] = plane_height() + lowest + share * view.position[1][p];
-        view.volume[p] *= share;
-        view.mass[p] *= share;
-      }
+    const auto view = simulation.particles().view();
+    for (int p = 0; p < view.count; ++p) {
+      const double lowest = bottom(view.position[0][p]);
+      const double share = 1.0 - lowest / m_radius;
+      view.position[1][p] = plane_height() + lowest + share * view.position[1][p];
+      view.volume[p] *= share;
+      view.mass[p] *= share;
     }
-    simulation.particles().migrate();
   }
 
   /// A piece of surface above each particle of the top row.
   std::vector<particles::SurfacePiece<2>> cut() const {
-    const auto columns = static_cast<int>(m_cells * m_run.particles_per_cell_direction);
+    const auto columns = static_cast<int>(m_cells * m_options.particles_per_cell_direction);
     const double spacing = m_radius / columns;
     std::vector<particles::SurfacePiece<2>> pieces;
     for (int i = 0; i < columns; ++i) {
@@ -201,7 +174,7 @@ class Hertz : public Scene {
   }
 
   std::shared_ptr<RecordedPlane> make_plane(const solver::Simulation<2>& simulation) const {
-    auto contact = contact_of(simulation, ground(plane_height()),
+    auto contact = contact_of(simulation, m_body,
                               {.detection = m_detection,
                                .gap_cells = m_gap_cells,
                                .reference_density = m_material.parameters().density});
@@ -218,39 +191,49 @@ class Hertz : public Scene {
     return points;
   }
 
-  void set_load(solver::Simulation<2>& simulation, double time) const {
-    const auto view = simulation.boundary().view();
-    const double pressure = load_at(time);
-    for (int b = 0; b < view.count; ++b) view.pressure[b] = pressure;
+  run::Problem<2> problem() override {
+    m_body = ground(plane_height());
+    run::Problem<2> problem{.setup = setup()};
+    problem.arrange = [this](solver::Simulation<2>& simulation) { round_off_bottom(simulation); };
+    problem.loaded_surface = cut();
+    problem.surface_pressure = [this](double time) { return load_at(time); };
+    problem.bodies = {m_body};
+    problem.constraints = {[this](const auto& simulation) {
+      m_plane = make_plane(simulation);
+      return m_plane;
+    }};
+    problem.stages = {{.name = "loading",
+                       .ending = std::make_shared<run::AfterTime<2>>(m_load_time),
+                       .damping = m_damping},
+                      {.name = "settling",
+                       .ending = std::make_shared<run::AtRest<2>>(
+                           run::RestOptions<2>{.tolerance = m_tolerance,
+                                               .reference_force = 0.5 * force(),
+                                               .longest = 1'000'000,
+                                               .check_every = check_every}),
+                       .damping = m_damping}};
+    problem.observers = {std::make_shared<run::History<2>>(history())};
+    return problem;
   }
 
-  bool press(solver::Simulation<2>& simulation, RunLoop<2>& loop,
-             const std::function<void(double)>& row) const {
-    simulation.set_damping(m_damping);
-    return loop.run({.name = "loading",
-                     .share_done = [&] { return loop.clock().time / m_load_time + 1e-12; },
-                     .before_step = [&](double) { set_load(simulation, loop.clock().time); },
-                     .after_step =
-                         [&] {
-                           if (loop.clock().step % check_every != 0) return;
-                           row(simulation.unbalanced_force() / (0.5 * force()));
-                         },
-                     .end_time = m_load_time});
+  run::HistoryTable<2> history() {
+    return {.path = path("history.csv"),
+            .columns = {"time_s", "load_Pa", "contact_force_N_per_m", "out_of_balance",
+                        "kinetic_energy_J_per_m"},
+            .row =
+                [this](const run::Moment<2>& now) {
+                  m_plane->take_forces();
+                  double sum = 0.0;
+                  for (const double column : m_plane->forces()) sum += column;
+                  return std::vector<double>{now.clock.time, load_at(now.clock.time), 2.0 * sum,
+                                             run::unbalanced_share(now.simulation, 0.5 * force()),
+                                             now.simulation.kinetic_energy()};
+                },
+            .cadence = run::Cadence<2>(check_every)};
   }
 
-  void come_to_rest(solver::Simulation<2>& simulation, RunLoop<2>& loop,
-                    const std::function<void(double)>& row) const {
-    set_load(simulation, loop.clock().time);
-    double unbalanced = 1.0;
-    settle(simulation, loop,
-           {.name = "settling",
-            .damping = m_damping,
-            .tolerance = m_tolerance,
-            .reference_force = 0.5 * force(),
-            .longest = 1'000'000,
-            .check_every = check_every,
-            .after_check = row},
-           unbalanced);
+  void evaluate(run::Run<2>& run, io::Summary& summary) override {
+    if (!m_plane->forces().empty()) report(run.simulation(), m_plane->forces(), summary);
   }
 
   /// Width of the surface for which each column of nodes stands, the integral of its function over
@@ -302,7 +285,7 @@ class Hertz : public Scene {
   void report(const solver::Simulation<2>& simulation, const std::vector<double>& forces,
               io::Summary& summary) const {
     const std::vector<double>& x = simulation.grid().nodes(0).positions;
-    io::CsvFile profile(m_run.output_dir + "/pressure.csv",
+    io::CsvFile profile(m_options.output_dir + "/pressure.csv",
                         {"x_m", "pressure_Pa", "pressure_exact_Pa"});
     const std::vector<double> widths = widths_of_columns(simulation);
     double peak = 0.0, sum = 0.0, moment = 0.0;
@@ -327,7 +310,7 @@ class Hertz : public Scene {
 
   void report_particles(const solver::Simulation<2>& simulation, io::Summary& summary) const {
     const std::vector<double> pressure = pressure_in_particles(simulation);
-    io::CsvFile profile(m_run.output_dir + "/pressure_particles.csv",
+    io::CsvFile profile(m_options.output_dir + "/pressure_particles.csv",
                         {"x_m", "pressure_Pa", "pressure_exact_Pa"});
     for (std::size_t k = 0; k < pressure.size(); ++k) {
       const double middle = (static_cast<double>(k) + 0.5) * cell();
@@ -338,7 +321,8 @@ class Hertz : public Scene {
     summary.set("error_contact_pressure_particles", peak / exact_peak() - 1.0);
   }
 
-  run::RunOptions m_run;
+  std::shared_ptr<contact::RigidBody<2>> m_body;
+  std::shared_ptr<RecordedPlane> m_plane;
   contact::Detection m_detection = contact::Detection::particle;
   double m_gap_cells = 0.6;
   std::int64_t m_cells = 67;

@@ -12,6 +12,9 @@
 
 namespace mpm::run {
 
+/// Whether particles and grid are written when a run is over.
+enum class Fields { written, left_out };
+
 /// Takes a problem through its stages: owns simulation, clock, observers, outputs and progress.
 template <int dim>
 class Run {
@@ -21,7 +24,7 @@ class Run {
   Run(const RunOptions& options, Problem<dim> problem);
 
   /// All stages, up to the last one or the limits of the options. Collective.
-  void go();
+  void go(Fields at_end = Fields::written);
 
   /// Ranks, cells, particles, steps, speed and memory; mass and momentum at the end. Collective.
   void summarise(io::Summary& summary) const;
