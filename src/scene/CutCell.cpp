@@ -190,6 +190,7 @@ run::Problem<dim> problem_at(double offset, const CutCellOptions& options,
   run::Problem<dim> problem{.setup = setup_of<dim>(options)};
   problem.arrange = [offset, &options](solver::Simulation<dim>& simulation) {
     shift<dim>(simulation, offset);
+    simulation.particles().migrate();
     shake<dim>(simulation, options);
   };
   const auto steps = static_cast<double>(options.steps);
