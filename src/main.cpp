@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "mpm/scene/Application.hpp"
+#include "mpm/app/Application.hpp"
 
 int main(int argc, char** argv) {
   const std::vector<const char*> arguments(argv + 1, argv + argc);
-  return static_cast<int>(mpm::scene::run_application(arguments));
+  return static_cast<int>(mpm::app::run_application(arguments));
 }

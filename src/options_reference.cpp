@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "mpm/cases/Case.hpp"
 #include "mpm/material/SandFactory.hpp"
 #include "mpm/options/OptionSet.hpp"
-#include "mpm/scene/Scene.hpp"
 
 namespace {
 
@@ -23,7 +23,7 @@ std::string demote_headings(const std::string& markdown) {
   return text;
 }
 
-std::string section(const mpm::scene::SceneKind& kind) {
+std::string section(const mpm::cases::CaseKind& kind) {
   const auto scene = kind.make();
   mpm::options::OptionSet options;
   scene->declare(options);
@@ -84,8 +84,8 @@ int main() {
       "scene, `-scene list` the scenes, `-version` the version. Units are SI. Defaults differ "
       "between scenes; those below are what a run uses when nothing is given.\n\n"
       "| scene | what it is |\n|---|---|\n");
-  for (const auto& kind : mpm::scene::scene_kinds())
+  for (const auto& kind : mpm::cases::case_kinds())
     fmt::print("| [{0}](#-scene-{0}) | {1} |\n", kind.name, kind.sentence);
   fmt::print("{}", table_of_sands());
-  for (const auto& kind : mpm::scene::scene_kinds()) fmt::print("{}", section(kind));
+  for (const auto& kind : mpm::cases::case_kinds()) fmt::print("{}", section(kind));
 }

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "mpm/scene/DisplacementError.hpp"
-#include "mpm/scene/EnergyMeter.hpp"
+#include "mpm/cases/DisplacementError.hpp"
+#include "mpm/cases/EnergyMeter.hpp"
 #include "support/Scenes.hpp"
 
-namespace mpm::scene {
+namespace mpm::cases {
 namespace {
 
 using test::equal_lines;
@@ -76,4 +76,4 @@ TEST(DisplacementError, is_the_root_of_the_mean_square_distance_from_the_exact_f
 }
 
 }  // namespace
-}  // namespace mpm::scene
+}  // namespace mpm::cases

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "mpm/material/NeoHookean.hpp"
-#include "mpm/scene/VortexMotion.hpp"
+#include "mpm/cases/VortexMotion.hpp"
 
-namespace mpm::scene {
+namespace mpm::cases {
 namespace {
 
 using Matrix = std::array<Vector<2>, 2>;
@@ -109,4 +109,4 @@ TEST(NeoHookean, has_the_stress_of_the_left_cauchy_green_tensor_at_constant_volu
 }
 
 }  // namespace
-}  // namespace mpm::scene
+}  // namespace mpm::cases

@@ -13,12 +13,4 @@ template <int dim>
 void prescribe_stress(solver::Simulation<dim>& simulation,
                       const std::function<SymmetricTensor(const Vector<dim>&)>& stress_at);
 
-/// The same with the mean stress `pressure`, Pa, compression positive, everywhere. Collective.
-template <int dim>
-void prescribe_pressure(solver::Simulation<dim>& simulation, double pressure) {
-  prescribe_stress<dim>(simulation, [pressure](const auto&) {
-    return SymmetricTensor{{-pressure, -pressure, -pressure, 0.0, 0.0, 0.0}};
-  });
-}
-
 }  // namespace mpm::run

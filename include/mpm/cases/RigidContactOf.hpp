@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+
+#include "mpm/contact/RigidContact.hpp"
+#include "mpm/solver/Simulation.hpp"
+
+namespace mpm::cases {
+
+/// The half space below a height, m.
+inline std::shared_ptr<contact::RigidBody<2>> ground(double height) {
+  return std::make_shared<contact::RigidBody<2>>(
+      std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, 1.0}), Vector<2>{0.0, height});
+}
+
+/// Contact of all particles of a simulation, which must outlive it, with a rigid body. Collective.
+inline std::shared_ptr<contact::RigidContact<2>> contact_of(
+    const solver::Simulation<2>& simulation, const std::shared_ptr<contact::RigidBody<2>>& body,
+    const contact::ContactOptions& options) {
+  auto contact = std::make_shared<contact::RigidContact<2>>(
+      simulation.grid(), simulation.walls(), simulation.step().point_deposit(), body, options);
+  contact->watch(simulation.particles());
+  return contact;
+}
+
+}  // namespace mpm::cases

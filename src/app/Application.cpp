@@ -1,0 +1,178 @@
+#include "mpm/app/Application.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "mpm/Version.hpp"
+#include "mpm/cases/Case.hpp"
+#include "mpm/io/TextFile.hpp"
+#include "mpm/options/CommandLine.hpp"
+#include "mpm/options/Nearest.hpp"
+#include "mpm/petsc/Session.hpp"
+
+namespace mpm::app {
+namespace {
+
+using cases::Case;
+using cases::case_kinds;
+using cases::CaseKind;
+using Clock = std::chrono::steady_clock;
+
+std::vector<std::pair<std::string, std::string>> for_petsc(const options::CommandLine& line) {
+  std::vector<std::pair<std::string, std::string>> options;
+  for (const options::Given& given : line.petsc) options.emplace_back(given.name, given.value);
+  return options;
+}
+
+std::string list_of_scenes() {
+  std::string text;
+  for (const CaseKind& kind : case_kinds())
+    text += fmt::format("  {:<16} {}\n", kind.name, kind.sentence);
+  return text;
+}
+
+std::string general_help() {
+  return fmt::format(
+      "mpmsolve {}: pipe-soil interaction by the B-spline material point method\n\n"
+      "  mpirun -np 2 mpmsolve -options_file input/pipe.opts [-option value ...]\n"
+      "  mpmsolve -scene NAME -help      options of a scene\n"
+      "  mpmsolve -scene list | -version\n\nScenes:\n{}",
+      version, list_of_scenes());
+}
+
+const CaseKind& find_scene(const std::string& name) {
+  std::vector<std::string> names;
+  for (const CaseKind& kind : case_kinds()) {
+    if (kind.name == name) return kind;
+    names.emplace_back(kind.name);
+  }
+  throw BadInput(fmt::format("-scene {}: there is no such scene; allowed are {}; the nearest is {}",
+                             name, fmt::join(names, ", "), options::nearest(name, names)));
+}
+
+/// What failure.json holds: at least the message.
+std::string as_json(const NumericalFailure& failure) {
+  nlohmann::ordered_json details = nlohmann::ordered_json::parse(failure.details());
+  if (!details.contains("message")) details["message"] = failure.what();
+  return details.dump(2) + "\n";
+}
+
+class Root {
+ public:
+  explicit Root(bool is_root) : m_is_root(is_root) {}
+  void print(const std::string& text) const { put(stdout, text); }
+  void complain(const std::string& text) const { put(stderr, text); }
+
+ private:
+  void put(std::FILE* stream, const std::string& text) const {
+    if (m_is_root) fmt::print(stream, "{}", text);
+    std::fflush(stream);
+  }
+  bool m_is_root;
+};
+
+/// Everything of a scene's options but the scene itself.
+std::vector<options::Given> without_scene(const options::CommandLine& line) {
+  std::vector<options::Given> rest;
+  for (const options::Given& given : line.own)
+    if (given.name != "scene") rest.push_back(given);
+  return rest;
+}
+
+void print_summary(const Root& root, const Case& scene, const io::Summary& summary) {
+  std::string text = "\n";
+  for (const char* key : {"scene", "ranks", "cells", "particles", "steps", "particle_updates_per_s",
+                          "peak_memory_bytes", "wall_s"})
+    if (summary.has(key)) text += fmt::format("  {:<24} {}\n", key, summary.text(key));
+  root.print(text + fmt::format("  {:<24} {}\n", "answer", scene.answer(summary)) +
+             fmt::format("  {:<24} {}\n", "results in", scene.output_directory()));
+}
+
+ExitCode run_scene(const options::CommandLine& line, const Root& root, Clock::time_point begin) {
+  const auto name = line.value_of("scene");
+  if (!name) throw BadInput(fmt::format("-scene is missing: name one of\n{}", list_of_scenes()));
+  const CaseKind& kind = find_scene(*name);
+  const std::unique_ptr<Case> scene = kind.make();
+  options::OptionSet options;
+  scene->declare(options);
+  if (line.help) {
+    root.print(fmt::format("-scene {}: {}\n\n{}", kind.name, kind.sentence, options.help()));
+    return ExitCode::finished;
+  }
+  options.assign(without_scene(line));
+  scene->prepare();
+  io::make_directory(scene->output_directory());
+  io::remove_results(scene->output_directory());
+  io::write_text_file(scene->output_directory() + "/used.opts",
+                      fmt::format("-scene {}\n{}", kind.name, options.used()));
+  io::Summary summary;
+  summary.set("scene", std::string(kind.name));
+  summary.set("version", std::string(version));
+  summary.set("git_hash", std::string(git_hash));
+  try {
+    scene->run(summary);
+  } catch (const NumericalFailure& failure) {
+    io::write_text_file(scene->output_directory() + "/failure.json", as_json(failure));
+    root.complain(fmt::format("mpmsolve: the run failed: {}\n  details in {}/failure.json\n",
+                              failure.what(), scene->output_directory()));
+    return ExitCode::numerical_failure;
+  }
+  summary.add_options(options);
+  summary.set("wall_s", std::chrono::duration<double>(Clock::now() - begin).count());
+  summary.write(scene->output_directory());
+  print_summary(root, *scene, summary);
+  return ExitCode::finished;
+}
+
+ExitCode answer(const options::CommandLine& line, const Root& root, Clock::time_point begin) {
+  if (line.version) {
+    root.print(fmt::format("mpmsolve {} ({})\n", version, git_hash));
+  } else if (line.list_scenes) {
+    root.print(list_of_scenes());
+  } else if (line.help && !line.value_of("scene")) {
+    root.print(general_help());
+  } else {
+    return run_scene(line, root, begin);
+  }
+  return ExitCode::finished;
+}
+
+}  // namespace
+
+ExitCode run_application(std::span<const char* const> arguments) {
+  const Clock::time_point begin = Clock::now();
+  options::CommandLine line;
+  std::optional<std::string> refused;
+  try {
+    line = options::read_command_line(arguments);
+  } catch (const BadInput& error) {
+    refused = error.what();
+  }
+  const petsc::Session session(for_petsc(line));
+  const Root root(session.rank() == 0);
+  try {
+    // A file may be unreadable on some ranks only: all have to agree.
+    if (petsc::maximum(refused ? 1.0 : 0.0) > 0.0)
+      throw BadInput(refused.value_or("an options file cannot be read on another rank"));
+    return answer(line, root, begin);
+  } catch (const BadInput& error) {
+    root.complain(fmt::format("mpmsolve: bad input: {}\n", error.what()));
+    return ExitCode::bad_input;
+  } catch (const NumericalFailure& error) {
+    root.complain(fmt::format("mpmsolve: {}\n", error.what()));
+    return ExitCode::numerical_failure;
+  } catch (const std::exception& error) {
+    // Not agreed upon with the other ranks, which may be waiting: end them too.
+    fmt::print(stderr, "mpmsolve: rank {}: {}\n", session.rank(), error.what());
+    MPI_Abort(PETSC_COMM_WORLD, static_cast<int>(ExitCode::numerical_failure));
+    return ExitCode::numerical_failure;
+  }
+}
+
+}  // namespace mpm::app

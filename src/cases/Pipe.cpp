@@ -1,0 +1,281 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mpm/analysis/BearingCapacity.hpp"
+#include "mpm/analysis/FailureThreshold.hpp"
+#include "mpm/cases/GeostaticState.hpp"
+#include "mpm/cases/GridCase.hpp"
+#include "mpm/cases/PipeOptions.hpp"
+#include "mpm/cases/ReactionAgreement.hpp"
+#include "mpm/cases/RigidContactOf.hpp"
+#include "mpm/core/Errors.hpp"
+#include "mpm/io/TextFile.hpp"
+#include "mpm/petsc/Session.hpp"
+#include "mpm/run/BodyReaction.hpp"
+#include "mpm/run/Endings.hpp"
+#include "mpm/run/History.hpp"
+
+namespace mpm::cases {
+namespace {
+
+constexpr double row_spacing = 0.0025;  // u/D between rows of history.csv
+constexpr double field_spacing = 0.1;   // u/D between outputs of particles and grid
+constexpr double early_field = 0.06;    // u/D, where the wedge under the pipe has formed
+constexpr double band_begin = 0.15;     // D, distance of the contour from the pipe
+constexpr double band_end = 0.85;       // D
+constexpr double largest_N_d_error = 0.3;
+constexpr std::size_t u_over_D_column = 2, N_d_column = 4, N_d_contour_column = 8;
+
+using Now = run::Moment<2>;
+
+/// Particles of all ranks at the sand law's pressure floor or cap of the state parameter.
+double particles_at_limits(const particles::Particles<2>& particles) {
+  const auto view = particles.view();
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < particles.materials().size(); ++k)
+    count +=
+        particles.materials()[k]->count_at_limits(particles.batch_of(view, static_cast<int>(k)));
+  return petsc::sum(static_cast<double>(count));
+}
+
+/// What is known when the soil has come to rest around the pipe.
+struct AtRestAnswers {
+  double N_d = 0.0;  ///< over the last interval between two checks
+  double unbalanced = 1.0;
+  long long steps = 0;
+  GeostaticErrors stress{0.0, 0.0};
+  bool has_rested = false;
+};
+
+/// A rigid pipe is pushed down into sand (the paper's section 4): geostatic stage, then loading.
+class Pipe : public GridCase<2> {
+ public:
+  void declare(options::OptionSet& options) override { m_pipe.declare(options); }
+
+  std::string answer(const io::Summary& summary) const override {
+    const std::string N_df = summary.text("N_df");
+    if (N_df.empty() || N_df == "null")
+      return fmt::format("no failure threshold: {}", summary.text("threshold_reason"));
+    return fmt::format("failure threshold N_df = {:.4g} at u_df/D = {:.3g}", summary.number("N_df"),
+                       summary.number("u_df_over_D"));
+  }
+
+ private:
+  const run::RunOptions& run_options() const override { return m_pipe.run; }
+  run::Problem<2> problem() override;
+  void evaluate(run::Run<2>& run, io::Summary& summary) override;
+
+  void make_body();
+  std::shared_ptr<grid::Constraint<2>> make_contact(const solver::Simulation<2>& simulation) const;
+  run::Stage<2> rest();
+  run::Stage<2> push() const;
+  void check_rest(const Now& now);
+  run::HistoryTable<2> history();
+  std::vector<double> row(const Now& now);
+  run::Numbers field_numbers() const;
+  void report_rest(io::Summary& summary) const;
+  void report_model(io::Summary& summary) const;
+  void report_threshold(io::Summary& summary) const;
+
+  double displacement() const { return -m_pipe.depth() - m_body->position[1]; }
+  double u_over_D() const { return displacement() / m_pipe.diameter; }
+  double whole(double share) const { return m_pipe.is_half() ? 2.0 * share : share; }
+  GeostaticStress geostatic() const { return {m_pipe.unit_weight(), m_pipe.K0}; }
+
+  PipeOptions m_pipe;
+  std::shared_ptr<contact::RigidBody<2>> m_body;
+  std::shared_ptr<run::BodyReaction<2>> m_reaction;
+  std::shared_ptr<run::AtRest<2>> m_ending;
+  std::shared_ptr<run::History<2>> m_history;
+  AtRestAnswers m_rest;
+};
+
+run::Problem<2> Pipe::problem() {
+  make_body();
+  m_history = std::make_shared<run::History<2>>(history());
+  run::Problem<2> problem{.setup = m_pipe.setup()};
+  problem.initial_stress = vertical_and_lateral(geostatic());
+  problem.initial_stress_remedy = fmt::format(
+      "-geostatic_K0 {} is more than the soil can bear; take a value nearer to 1 or a stronger "
+      "soil",
+      m_pipe.K0);
+  problem.bodies = {m_body};
+  problem.constraints = {[this](const auto& simulation) { return make_contact(simulation); }};
+  problem.stages = {rest(), push()};
+  problem.observers = {m_reaction, m_history};
+  problem.field_cadence = run::Cadence<2>(
+      field_spacing, [this](const Now&) { return u_over_D(); }, early_field);
+  problem.writes_fields_at_start = true;
+  problem.field_numbers = [this](const Now&) { return field_numbers(); };
+  return problem;
+}
+
+void Pipe::make_body() {
+  const contact::Ramp ramp{m_pipe.velocity, m_pipe.ramp_distance * m_pipe.diameter};
+  m_body = std::make_shared<contact::RigidBody<2>>(
+      std::make_shared<contact::Ball<2>>(m_pipe.radius()), Vector<2>{0.0, -m_pipe.depth()},
+      std::make_shared<contact::RampMotion<2>>(Vector<2>{0.0, -1.0}, ramp));
+  m_reaction = std::make_shared<run::BodyReaction<2>>(
+      m_body, contact::ContourBand{.inner = band_begin * m_pipe.diameter,
+                                   .outer = band_end * m_pipe.diameter});
+}
+
+std::shared_ptr<grid::Constraint<2>> Pipe::make_contact(
+    const solver::Simulation<2>& simulation) const {
+  auto contact = contact_of(simulation, m_body,
+                            {.detection = m_pipe.detection,
+                             .normal = m_pipe.normal,
+                             .gap_cells = m_pipe.gap_cells,
+                             .friction = m_pipe.friction_coefficient(),
+                             .reference_density = m_pipe.density()});
+  const double spacing = 0.5 * m_pipe.cell();
+  contact->discretise(m_pipe.points_in_pipe(spacing), spacing * spacing);
+  return contact;
+}
+
+/// The soil comes to rest around the pipe, which holds still.
+run::Stage<2> Pipe::rest() {
+  m_ending = std::make_shared<run::AtRest<2>>(run::RestOptions<2>{
+      .tolerance = m_pipe.geostatic_tolerance, .at_check = [this](const Now&) {
+        m_rest.N_d = whole(m_body->meter().take_mean().force[1]) / m_pipe.reference_force();
+      }});
+  return {.name = "geostatic",
+          .ending = m_ending,
+          .is_main = false,
+          .damping = m_pipe.damping,
+          .holds_bodies = true,
+          .at_end = [this](const Now& now) { check_rest(now); }};
+}
+
+void Pipe::check_rest(const Now& now) {
+  m_rest.has_rested = true;
+  m_rest.unbalanced = m_ending->unbalanced();
+  m_rest.steps = now.clock.step;
+  m_rest.stress = measure_geostatic(now.simulation, geostatic(), [this](const Vector<2>& x) {
+    return m_body->locate(x).distance > 2.0 * m_pipe.diameter;
+  });
+  const double expected = std::numbers::pi / (4.0 * m_pipe.embedment_ratio);
+  const double tolerance = m_pipe.geostatic_stress_tolerance;
+  const bool passed = m_rest.stress.vertical_rms <= tolerance &&
+                      m_rest.stress.K0_rms <= tolerance &&
+                      std::abs(m_rest.N_d - expected) <= largest_N_d_error;
+  if (!passed)
+    throw NumericalFailure(fmt::format(
+        "the geostatic state fails its test: vertical stress {:.3g} and K0 {:.3g} off beyond 2 D, "
+        "-geostatic_stress_tolerance {}; N_d {:.3g} instead of {:.3g} +- {}; a smaller "
+        "-geostatic_tolerance, -basis_boundary mirror or a larger tolerance may help",
+        m_rest.stress.vertical_rms, m_rest.stress.K0_rms, tolerance, m_rest.N_d, expected,
+        largest_N_d_error));
+}
+
+run::Stage<2> Pipe::push() const {
+  return {.name = "loading",
+          .ending = std::make_shared<run::When<2>>(
+              [this](const Now&) { return u_over_D() / m_pipe.end_displacement + 1e-9; }),
+          .begins_anew = true};
+}
+
+run::HistoryTable<2> Pipe::history() {
+  return {.path = path("history.csv"),
+          .columns = {"time_s", "displacement_m", "u_over_D", "reaction_N_per_m", "N_d",
+                      "reaction_contour_N_per_m", "kinetic_energy_J_per_m", "out_of_balance",
+                      "N_d_contour", "particles_at_limits"},
+          .row = [this](const Now& now) { return row(now); },
+          .cadence = run::Cadence<2>(row_spacing, [this](const Now&) { return u_over_D(); })
+                         .or_every(m_pipe.run.history_every),
+          .status =
+              [this](const run::History<2>& rows) {
+                return fmt::format("u/D {:.3f}  N_d {:6.2f}", u_over_D(), rows.last(N_d_column));
+              },
+          .columns_before_clock = N_d_contour_column};
+}
+
+/// Means since the row before.
+std::vector<double> Pipe::row(const Now& now) {
+  const double reaction = whole(m_reaction->take_by_impulse()[1]);
+  const double contour = whole(m_reaction->take_by_contour()[1]);
+  return {now.clock.time_in_stage,
+          displacement(),
+          u_over_D(),
+          reaction,
+          reaction / m_pipe.reference_force(),
+          contour,
+          whole(now.simulation.kinetic_energy()),
+          now.simulation.out_of_balance(),
+          contour / m_pipe.reference_force(),
+          particles_at_limits(now.simulation.particles())};
+}
+
+run::Numbers Pipe::field_numbers() const {
+  return {{"displacement_m", displacement()},
+          {"pipe_x_m", m_body->position[0]},
+          {"pipe_y_m", m_body->position[1]},
+          {"N_d", m_history->last(N_d_column, m_rest.N_d)}};
+}
+
+void Pipe::evaluate(run::Run<2>&, io::Summary& summary) {
+  report_rest(summary);
+  report_model(summary);
+  report_agreement(
+      *m_history,
+      {.place = u_over_D_column, .by_impulse = N_d_column, .by_contour = N_d_contour_column},
+      summary);
+  if (!m_history->rows().empty())
+    report_threshold(summary);
+  else
+    summary.set("threshold_reason", std::string("the run ended before the first row of loading"));
+}
+
+void Pipe::report_rest(io::Summary& summary) const {
+  summary.set("geostatic_out_of_balance", m_ending->unbalanced());
+  if (!m_rest.has_rested) return;
+  summary.set("geostatic_steps", m_rest.steps);
+  summary.set("geostatic_N_d", m_rest.N_d);
+  summary.set("geostatic_N_d_expected", std::numbers::pi / (4.0 * m_pipe.embedment_ratio));
+  summary.set("geostatic_vertical_stress_error_rms", m_rest.stress.vertical_rms);
+  summary.set("geostatic_K0_error_rms", m_rest.stress.K0_rms);
+}
+
+void Pipe::report_model(io::Summary& summary) const {
+  const material::SandParameters& sand = m_pipe.sand.parameters();
+  summary.set("symmetry", std::string(m_pipe.is_half() ? "half" : "full"));
+  summary.set("unit_weight_N_per_m3", m_pipe.unit_weight());
+  summary.set("reference_force_N_per_m", m_pipe.reference_force());
+  summary.set("friction_coefficient", m_pipe.friction_coefficient());
+  summary.set("relative_density", material::relative_density(sand));
+  summary.set("cell_over_d50", m_pipe.cell() / sand.d50);
+}
+
+void add(io::Summary& summary, const analysis::SummaryValues& values) {
+  for (const auto& [key, value] : values) summary.set(key, value);  // NaN becomes null
+}
+
+void Pipe::report_threshold(io::Summary& summary) const {
+  summary.set("u_over_D_end", m_history->last(u_over_D_column));
+  summary.set("N_d_end", m_history->last(N_d_column));
+  const analysis::SlopeCurve curve =
+      analysis::slope_curve(m_history->column(u_over_D_column), m_history->column(N_d_column));
+  const std::vector<analysis::FailureThreshold> thresholds{
+      analysis::failure_threshold(curve, {.window = 0.75}),
+      analysis::failure_threshold(curve, {.window = 0.9})};
+  io::write_text_file(path("threshold.csv"), analysis::threshold_csv(curve, thresholds));
+  add(summary, analysis::threshold_summary(thresholds[0]));
+  add(summary, analysis::threshold_summary(thresholds[1], "_to_0.9"));
+  summary.set("threshold_reason", thresholds[0].reason);
+  add(summary, analysis::bearing_summary({.diameter = m_pipe.diameter,
+                                          .embedment_ratio = m_pipe.embedment_ratio,
+                                          .unit_weight = m_pipe.unit_weight(),
+                                          .cohesion = m_pipe.sand.parameters().cohesion},
+                                         thresholds[0].N_df));
+}
+
+}  // namespace
+
+std::unique_ptr<Case> make_pipe() {
+  return std::make_unique<Pipe>();
+}
+
+}  // namespace mpm::cases

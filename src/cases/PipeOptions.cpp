@@ -1,0 +1,204 @@
+#include "mpm/cases/PipeOptions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mpm/cases/ContactDetection.hpp"
+#include "mpm/core/Errors.hpp"
+
+namespace mpm::cases {
+namespace {
+
+constexpr double growth = 1.05;           // of neighbouring cells in the far field
+constexpr double largest_grid = 1e9;      // cells
+constexpr double fine_beside_pipe = 3.0;  // D from the axis
+constexpr double fine_below_end = 2.0;    // D below the invert's last position
+constexpr double air_above = 1.5;         // D, room for heave
+
+/// Line positions from 0 on: cells of width h up to `fine`, then growing until `ratio` h, until
+/// `length` is reached; the last line may lie up to a cell beyond.
+std::vector<double> lines_from_zero(double h, double fine, double ratio, double length) {
+  std::vector<double> lines{0.0};
+  double width = h;
+  while (lines.back() < length - 1e-9 * h) {
+    if (lines.back() > fine - 1e-9 * h) width = std::min(width * growth, ratio * h);
+    lines.push_back(lines.back() + width);
+  }
+  return lines;
+}
+
+}  // namespace
+
+PipeOptions::PipeOptions() {
+  run.output_dir = "out/pipe";
+  sand.parameters().cohesion = 1000.0;
+}
+
+void PipeOptions::declare(options::OptionSet& options) {
+  run.declare(options);
+  declare_pipe(options);
+  declare_grid(options);
+  declare_contact(options);
+  declare_geostatic(options);
+  sand.declare(options);
+}
+
+void PipeOptions::declare_pipe(options::OptionSet& options) {
+  options.section("Pipe");
+  options.real("pipe_diameter", diameter, options::positive(),
+               {"m", "outer diameter D", "paper, section 4.1"});
+  options.real(
+      "pipe_embedment_ratio", embedment_ratio, {.minimum = 1.0, .maximum = 100.0},
+      {"1", "depth of the springline below the surface over D, H/D", "paper, section 4.1"});
+  options.real("pipe_velocity", velocity, options::positive(),
+               {"m/s", "downward velocity after the ramp",
+                "chosen: slower runs differ little; the paper uses 0.004"});
+  options.real("pipe_end_displacement", end_displacement,
+               {.minimum = 0.0, .maximum = 5.0, .open_minimum = true},
+               {"D", "displacement at which the run ends, u/D", "paper, section 4.1"});
+  options.real("pipe_ramp_distance", ramp_distance, options::between(0.0, 1.0),
+               {"D", "displacement over which the velocity rises as (1 - cos)/2", "chosen"});
+}
+
+void PipeOptions::declare_grid(options::OptionSet& options) {
+  options.section("Grid of the pipe scene");
+  options.integer("pipe_cells_per_diameter", cells_per_diameter, {2, 1000},
+                  {"1", "cells per D near the pipe", "paper, section 4.2"});
+  options.integer("particles_per_cell_near_pipe", particles_near_pipe, {1, 16},
+                  {"1",
+                   "particles per cell and direction within 1.5 D of the pipe's axis and of "
+                   "its path",
+                   "chosen"});
+  options.real("pipe_domain_width", domain_width, {.minimum = 1.0, .maximum = 1000.0},
+               {"D", "from the pipe's axis to each side wall", "paper, section 3.3"});
+  options.real("pipe_domain_depth_below", domain_depth_below, {.minimum = 1.0, .maximum = 1000.0},
+               {"D", "from the pipe's invert to the bottom", "paper, section 3.3"});
+  options.real("pipe_far_cell_ratio", far_cell_ratio, options::between(1.0, 100.0),
+               {"1",
+                "largest cells of the far field over those near the pipe; neighbours differ by "
+                "5 % at most",
+                "docs/model.md"});
+  options.choice(
+      "symmetry", symmetry,
+      {{"auto", Symmetry::automatic}, {"half", Symmetry::half}, {"full", Symmetry::full}},
+      {"",
+       "model half of the soil or all of it; auto takes half, since a pipe that moves "
+       "straight down is symmetric",
+       "paper, section 3.3"});
+}
+
+void PipeOptions::declare_contact(options::OptionSet& options) {
+  options.section("Contact");
+  declare_detection(options, detection, gap_cells);
+  options.choice("contact_normal", normal,
+                 {{"surface", contact::Normal::surface}, {"gradient", contact::Normal::gradient}},
+                 {"", "normal of the pipe itself, or of its nodal mass (gradient, the paper)",
+                  "docs/model.md"});
+  options.optional_real("contact_friction", friction, {.minimum = 0.0, .maximum = 10.0},
+                        "tan(0.6 phi_c)",
+                        {"1", "Coulomb coefficient between sand and pipe", "paper, section 3.3"});
+}
+
+void PipeOptions::declare_geostatic(options::OptionSet& options) {
+  options.section("Geostatic stage");
+  options.choice(
+      "geostatic", geostatic, {{"prescribed", Geostatic::prescribed}},
+      {"", "how the stress at rest comes about: prescribed and then relaxed", "docs/model.md"});
+  options.real("geostatic_K0", K0, {.minimum = 0.05, .maximum = 5.0},
+               {"1", "horizontal over vertical stress at the start", "chosen: 1 - sin 30 degrees"});
+  options.real("gravity", gravity, options::positive(), {"m/s^2", "downward", ""});
+  options.real("damping", damping, {.minimum = 0.0, .maximum = 1.0, .open_maximum = true},
+               {"1", "local damping of the geostatic stage only, f -= damping |f| sign(v)",
+                "docs/model.md"});
+  options.real("geostatic_tolerance", geostatic_tolerance, {.minimum = 1e-12, .maximum = 0.1},
+               {"1", "the stage ends when sum |f| falls below this share of the soil's weight",
+                "docs/model.md"});
+  options.real("geostatic_stress_tolerance", geostatic_stress_tolerance,
+               {.minimum = 1e-6, .maximum = 1.0},
+               {"1",
+                "largest rms error of vertical stress and of K0 beyond 2 D from the pipe at the "
+                "end of the stage",
+                "docs/model.md; open_knot walls need about 0.05"});
+}
+
+double PipeOptions::friction_coefficient() const {
+  return friction.value_or(std::tan(0.6 * material::critical_friction_angle(sand.parameters())));
+}
+
+double PipeOptions::density() const {
+  return 1000.0 * sand.parameters().Gs / (1.0 + sand.parameters().void_ratio);
+}
+
+basis::KnotLines PipeOptions::horizontal_lines() const {
+  const std::vector<double> right =
+      lines_from_zero(cell(), fine_beside_pipe * diameter, far_cell_ratio, domain_width * diameter);
+  if (is_half()) return basis::KnotLines(right);
+  std::vector<double> lines;
+  for (auto line = right.rbegin(); line != right.rend(); ++line) lines.push_back(-*line);
+  lines.insert(lines.end(), right.begin() + 1, right.end());
+  return basis::KnotLines(std::move(lines));
+}
+
+basis::KnotLines PipeOptions::vertical_lines() const {
+  const double fine = depth() + radius() + (end_displacement + fine_below_end) * diameter;
+  const std::vector<double> down = lines_from_zero(
+      cell(), fine, far_cell_ratio, depth() + radius() + domain_depth_below * diameter);
+  const std::vector<double> up = lines_from_zero(cell(), 1e9, 1.0, air_above * diameter);
+  std::vector<double> lines;
+  for (auto line = down.rbegin(); line != down.rend(); ++line) lines.push_back(-*line);
+  lines.insert(lines.end(), up.begin() + 1, up.end());
+  return basis::KnotLines(std::move(lines));
+}
+
+particles::Filling<2> PipeOptions::filling(bool graded) const {
+  const double R = radius(), H = depth();
+  const double lowest = -H - end_displacement * diameter;
+  const auto near = static_cast<int>(particles_near_pipe);
+  const auto far = static_cast<int>(run.particles_per_cell_direction);
+  const double reach = 1.5 * diameter;
+  return {[=](const Vector<2>& x) {
+            const bool soil = x[1] < 0.0 && std::hypot(x[0], x[1] + H) > R;
+            return soil ? std::optional(0) : std::nullopt;
+          },
+          [=](const Vector<2>& x) {
+            const double y = std::clamp(x[1], lowest, -H);  // nearest point of the axis' path
+            return std::hypot(x[0], x[1] - y) < reach ? std::max(near, far) : far;
+          },
+          graded ? particles::Placement::gauss : particles::Placement::midpoint};
+}
+
+solver::SimulationSetup<2> PipeOptions::setup() const {
+  const double cells_per_D = static_cast<double>(cells_per_diameter);
+  const double width = (is_half() ? 1.0 : 2.0) * domain_width;
+  const double height = embedment_ratio + 0.5 + domain_depth_below + air_above;
+  if (width * height * cells_per_D * cells_per_D / (far_cell_ratio * far_cell_ratio) > largest_grid)
+    throw BadInput(
+        fmt::format("-pipe_cells_per_diameter {} on {} D x {} D makes more than 1e9 "
+                    "cells; take fewer, a smaller domain or a larger "
+                    "-pipe_far_cell_ratio",
+                    cells_per_diameter, width, height));
+  using grid::Wall;
+  solver::SimulationSetup<2> setup{.lines = {horizontal_lines(), vertical_lines()}};
+  run.apply_to(setup);
+  setup.walls = {
+      {{is_half() ? Wall::symmetry : Wall::roller, Wall::roller}, {Wall::fixed, Wall::free}}};
+  setup.materials = {sand.create()};
+  setup.filling = filling(!setup.lines[0].is_uniform() || !setup.lines[1].is_uniform());
+  setup.gravity = {0.0, -gravity};
+  return setup;
+}
+
+std::vector<Vector<2>> PipeOptions::points_in_pipe(double spacing) const {
+  std::vector<Vector<2>> points;
+  const int n = static_cast<int>(std::ceil(radius() / spacing));
+  for (int j = -n; j < n; ++j)
+    for (int i = is_half() ? 0 : -n; i < n; ++i) {
+      const Vector<2> r{(i + 0.5) * spacing, (j + 0.5) * spacing};
+      if (std::hypot(r[0], r[1]) < radius()) points.push_back(r);
+    }
+  return points;
+}
+
+}  // namespace mpm::cases
