@@ -11,6 +11,7 @@
 
 #include "mpm/Version.hpp"
 #include "mpm/cases/Case.hpp"
+#include "mpm/io/ResultFiles.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/options/CommandLine.hpp"
 #include "mpm/options/Nearest.hpp"

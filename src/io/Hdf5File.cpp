@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "mpm/core/Errors.hpp"
+#include "mpm/io/ResultFiles.hpp"
 
 namespace mpm::io {
 namespace {
@@ -71,6 +72,7 @@ void Hdf5File::check(bool ok, const std::string& what) const {
 
 Hdf5File::Hdf5File(std::string path, const petsc::Communicator& communicator)
     : m_path(std::move(path)), m_communicator(communicator) {
+  check(!m_communicator.is_root() || register_result(m_path), "list");
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // our message replaces HDF5's trace
   const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   H5Pset_fapl_mpio(access, m_communicator, MPI_INFO_NULL);

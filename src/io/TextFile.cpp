@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "mpm/core/Errors.hpp"
+#include "mpm/io/ResultFiles.hpp"
 
 namespace mpm::io {
 namespace {
@@ -38,34 +39,20 @@ void make_directory(const std::string& path, const petsc::Communicator& communic
                     path, error.message()));
 }
 
-void remove_results(const std::string& directory, const petsc::Communicator& communicator) {
-  if (communicator.is_root()) {
-    for (const char* name : {"history.csv", "summary.json", "failure.json", "threshold.csv",
-                             "used.opts", "particles.xdmf", "grid.xdmf"})
-      std::filesystem::remove(directory + "/" + name);
-    for (const auto& entry : std::filesystem::directory_iterator(directory)) {
-      const std::string name = entry.path().filename().string();
-      const bool fields = name.starts_with("particles_") || name.starts_with("grid_");
-      if (fields && (name.ends_with(".h5") || name.ends_with(".h5.part")))
-        std::filesystem::remove(entry.path());
-    }
-  }
-  communicator.barrier();  // nobody writes before the old files are gone
-}
-
 void write_text_file(const std::string& path, const std::string& text,
                      const petsc::Communicator& communicator) {
   const std::string part = path + ".part";
   bool ok = true;
   if (communicator.is_root())
-    ok = write_whole(part, text) && std::rename(part.c_str(), path.c_str()) == 0;
+    ok = register_result(path) && write_whole(part, text) &&
+         std::rename(part.c_str(), path.c_str()) == 0;
   if (!communicator.all(ok)) fail(path);
 }
 
 CsvFile::CsvFile(std::string path, const std::vector<std::string>& columns,
                  const petsc::Communicator& communicator)
     : m_path(std::move(path)), m_communicator(communicator) {
-  if (communicator.is_root()) m_file = std::fopen(m_path.c_str(), "w");
+  if (communicator.is_root() && register_result(m_path)) m_file = std::fopen(m_path.c_str(), "w");
   check(!communicator.is_root() ||
         (m_file != nullptr &&
          std::fputs((fmt::format("{}\n", fmt::join(columns, ","))).c_str(), m_file) >= 0));

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <array>
@@ -11,39 +10,20 @@
 #include <sstream>
 
 #include "mpm/io/FieldOutput.hpp"
+#include "mpm/io/Hdf5File.hpp"
+#include "mpm/io/ResultFiles.hpp"
+#include "mpm/io/TextFile.hpp"
 #include "mpm/material/NeoHookean.hpp"
 #include "mpm/solver/Simulation.hpp"
 #include "support/Scenes.hpp"
+#include "support/SharedDirectory.hpp"
 
 namespace mpm::io {
 namespace {
 
 using particles::Field;
 using particles::Role;
-
-/// A directory of all ranks that is gone afterwards.
-class SharedDirectory {
- public:
-  SharedDirectory() {
-    std::array<char, 256> path{};
-    const auto pattern = std::filesystem::temp_directory_path() / "mpm_output_test_XXXXXX";
-    pattern.string().copy(path.data(), path.size() - 1);
-    if (test::world_rank() == 0) {
-      EXPECT_NE(mkdtemp(path.data()), nullptr);
-    }
-    MPI_Bcast(path.data(), static_cast<int>(path.size()), MPI_CHAR, 0, test::world());
-    m_path = path.data();
-  }
-  ~SharedDirectory() {
-    test::world().barrier();
-    if (test::world_rank() == 0) std::filesystem::remove_all(m_path);
-  }
-  std::string path(const std::string& name) const { return m_path + "/" + name; }
-  const std::string& path() const { return m_path; }
-
- private:
-  std::string m_path;
-};
+using test::SharedDirectory;
 
 /// A file of this rank alone.
 class ReadFile {
@@ -127,6 +107,27 @@ void every_dataset_says_what_it_is_and_in_which_unit() {
     EXPECT_EQ(file.text(field.name, "long_name"), is_there ? field.long_name : "") << field.name;
     EXPECT_EQ(file.text(field.name, "units"), is_there ? field.unit : "") << field.name;
   }
+}
+
+TEST(ResultFiles, of_an_earlier_run_go_and_those_of_the_user_stay) {
+  const SharedDirectory directory;
+  write_text_file(directory.path("summary.json"), "{}", test::world());
+  write_text_file(directory.path("summary.json"), "{ }", test::world());  // listed once
+  CsvFile(directory.path("history.csv"), {"time_s"}, test::world());
+  Hdf5File(directory.path("particles_000000.h5"), test::world()).close();
+  if (test::world_rank() == 0) {
+    for (const char* name : {"particles_x.h5", "notes.txt", "input.opts"})
+      std::ofstream(directory.path(name)) << "mine";
+    std::ofstream(directory.path(list_of_results), std::ios::app) << "../escaped\n";
+    std::ofstream(directory.path("../escaped")) << "not to be reached";
+  }
+  remove_results(directory.path(), test::world());
+  for (const char* name : {"summary.json", "history.csv", "particles_000000.h5", list_of_results})
+    EXPECT_FALSE(std::filesystem::exists(directory.path(name))) << name;
+  for (const char* name : {"particles_x.h5", "notes.txt", "input.opts", "../escaped"})
+    EXPECT_TRUE(std::filesystem::exists(directory.path(name))) << name;
+  test::world().barrier();
+  if (test::world_rank() == 0) std::filesystem::remove(directory.path("../escaped"));
 }
 
 TEST(FieldOutput, every_dataset_says_what_it_is_and_in_which_unit) {

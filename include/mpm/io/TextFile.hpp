@@ -14,10 +14,6 @@ namespace mpm::io {
 void make_directory(const std::string& path,
                     const petsc::Communicator& communicator = petsc::world());
 
-/// Removes the results of an earlier run from a directory, and nothing else.
-void remove_results(const std::string& directory,
-                    const petsc::Communicator& communicator = petsc::world());
-
 /// Writes a file as `path.part` and renames it; all ranks learn of a failure and throw
 /// NumericalFailure.
 void write_text_file(const std::string& path, const std::string& text,
