@@ -37,8 +37,10 @@ constexpr std::array balance_answers{
 };
 
 constexpr std::array stress_answers{
-    Answer{"error_stress_mean", "1",
-           "mean over the particles of |stress - exact|, as a share of the largest exact stress"},
+    Answer{
+        "error_stress_mean", "1",
+        "mean over the particles of |stress - exact|, as a share of the largest exact stress; in "
+        "traction, where the exact stress is uniform, 1 - traction_share_kept"},
     Answer{"error_stress_peak", "1",
            "largest |stress - exact| of a particle, as a share of the largest exact stress"},
     Answer{"error_stress_norm", "1", "largest relative error of the norm of a particle's stress"},

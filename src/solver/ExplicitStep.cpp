@@ -356,65 +356,6 @@ int ExplicitStep<dim, Basis>::update_stress(const View& view) {
   return find_broken_stress<dim>(view, range);
 }
 
-namespace {
-
-/// The smallest span of the functions that reach the cell of a particle; sorted particles mostly
-/// stay in the cell of the one before.
-template <int dim, class Basis>
-class SmallestSpan {
- public:
-  explicit SmallestSpan(const std::array<Basis, dim>& bases) : m_bases(bases) {}
-
-  double at(const Vector<dim>& x) {
-    double span = std::numeric_limits<double>::max();
-    for (int d = 0; d < dim; ++d) {
-      m_cell[d] = m_bases[d].lines().cell_near(m_cell[d], x[d]);
-      span = std::min(span, m_bases[d].smallest_span(m_cell[d]));
-    }
-    return span;
-  }
-
- private:
-  const std::array<Basis, dim>& m_bases;
-  std::array<int, dim> m_cell{};
-};
-
-/// Smallest of four.
-double smallest_of(simd::Pack x) {
-  return std::min(std::min(x[0], x[1]), std::min(x[2], x[3]));
-}
-
-}  // namespace
-
-template <int dim, class Basis>
-double ExplicitStep<dim, Basis>::smallest_transit_time() const {
-  const particles::ParticleView<dim> view = m_parts.particles.view();
-  simd::Pack smallest = simd::broadcast(std::numeric_limits<double>::max());
-  SmallestSpan<dim, Basis> smallest_span(m_parts.bases);
-  std::vector<double> modulus;
-  for (std::size_t k = 0; k < m_parts.particles.materials().size(); ++k) {
-    const auto range = m_parts.particles.range_of(static_cast<int>(k));
-    const material::Batch batch = m_parts.particles.batch_of(view, static_cast<int>(k));
-    modulus.resize(batch.size);
-    m_parts.particles.materials()[k]->wave_modulus(batch, modulus);
-    simd::for_each_group(static_cast<int>(batch.size), [&](int offset, int n) {
-      const int first = range.first + offset;
-      simd::Pack square{}, span{};
-      for (int d = 0; d < dim; ++d) {
-        const simd::Pack v = simd::load(view.velocity[d] + first, n);
-        square += v * v;
-      }
-      for (int lane = 0; lane < simd::lanes; ++lane)
-        span[lane] = smallest_span.at(view.position_of(first + std::min(lane, n - 1)));
-      const simd::Pack density =
-          simd::load(view.mass + first, n) / simd::load(view.volume + first, n);
-      const simd::Pack c = simd::sqrt(simd::load(modulus.data() + offset, n) / density);
-      smallest = simd::min(smallest, span / (c + simd::sqrt(square)));
-    });
-  }
-  return smallest_of(smallest);
-}
-
 #define MPM_INSTANTIATE(dim, Basis) template class ExplicitStep<dim, Basis>;
 MPM_BASES(MPM_IN_ALL_DIMENSIONS)
 

@@ -40,7 +40,8 @@ BOUNDS = [
     ("discs", {"courant": 0.9}, {"energy_ratio": (0.95, 1.0), "total_energy_ratio": (0.98, 1.02),
                                  "error_momentum": ROUND_OFF}),
     ("rotation", {"turn": "free"}, {"energy_ratio": (0.98, 1.02), "error_volume_ratio": 1e-4}),
-    *(("traction", {"basis": basis}, {"error_stress_mean": 1e-4})
+    *(("traction", {"basis": basis},
+       {"error_stress_mean": 1e-4, "traction_share_kept": (0.9999, 1.0001)})
       for basis in ("linear", "quadratic", "cubic")),
     *(("reversal", {"cycles": 2, "confining_pressure": 20e3, "amplitude": 0.005,
                     "strain_rate": 0.05, **options},
