@@ -16,6 +16,7 @@ namespace mpm::run {
 namespace {
 
 constexpr double no_limit = std::numeric_limits<double>::max();
+constexpr double largest_momentum_residual = 1e-6;  // share; round-off gives 1e-13
 
 double peak_memory_bytes() {
   rusage usage{};
@@ -48,6 +49,7 @@ Run<dim>::Run(const RunOptions& options, Problem<dim> problem)
   for (const auto& make : m_problem.constraints) m_simulation.add_constraint(make(m_simulation));
   prescribe_initial_stress();
   if (m_problem.body_force) m_simulation.set_body_force(m_problem.body_force);
+  m_simulation.open_ledger();
 }
 
 template <int dim>
@@ -180,6 +182,7 @@ template <int dim>
 void Run<dim>::write_fields() {
   if (m_last_written == m_clock.step) return;
   m_last_written = m_clock.step;
+  check_ledger();
   const Numbers numbers = m_problem.field_numbers ? m_problem.field_numbers(moment()) : Numbers{};
   m_output.write({m_clock.time, m_clock.step, numbers}, m_simulation.particles(),
                  m_simulation.grid(), m_simulation.step().nodal_sums());
@@ -202,6 +205,7 @@ void Run<dim>::persist(Archive& archive) {
   archive.group("clock", [&] { m_clock.persist(archive); });
   for (std::size_t k = 0; k < m_problem.bodies.size(); ++k)
     archive.group(fmt::format("body{}", k), [&] { m_problem.bodies[k]->persist(archive); });
+  archive.group("ledger", [&] { m_simulation.persist_ledger(archive); });
   archive.group("constraints", [&] { m_simulation.persist_constraints(archive); });
   archive("has_main_begun", m_has_main_begun);
   archive("last_written", m_last_written);
@@ -239,6 +243,33 @@ void Run<dim>::summarise(io::Summary& summary) const {
   for (int d = 0; d < dim; ++d)
     summary.set(std::string("momentum_") + "xyz"[d] + "_N_s", momentum[d]);
   summary.set("kinetic_energy_J", m_simulation.kinetic_energy());
+  summarise_ledger(summary);
+}
+
+/// What particles have as momentum is what forces have given them, or something is wrong.
+template <int dim>
+void Run<dim>::check_ledger() const {
+  const double share = m_simulation.ledger().momentum_residual_share;
+  if (!(share <= largest_momentum_residual))
+    throw NumericalFailure(fmt::format(
+        "at step {} the particles' momentum is not what forces, walls, bodies and damping have "
+        "given them: {:.3g} of it is unaccounted for, {} is allowed; this is a fault of the "
+        "program",
+        m_clock.step, share, largest_momentum_residual));
+}
+
+template <int dim>
+void Run<dim>::summarise_ledger(io::Summary& summary) const {
+  const solver::LedgerReport<dim> ledger = m_simulation.ledger();
+  for (const auto& cause : ledger.causes) {
+    for (int d = 0; d < dim; ++d)
+      summary.set(fmt::format("ledger_impulse_{}_{}_N_s", cause.name, "xyz"[d]), cause.impulse[d]);
+    summary.set(fmt::format("ledger_work_{}_J", cause.name), cause.work);
+  }
+  summary.set("ledger_momentum_residual", ledger.momentum_residual_share);
+  summary.set("ledger_internal_work_J", ledger.internal_work);
+  summary.set("ledger_kinetic_energy_change_J", ledger.kinetic_change);
+  summary.set("ledger_kinetic_energy_residual_J", ledger.kinetic_residual);
 }
 
 template class Run<1>;

@@ -81,7 +81,7 @@ void ExplicitStep<dim, Basis>::deposit(const View& particles, const StepOptions<
   if (options.transfer == Transfer::apic)
     transfer::deposit_affine_momentum<dim, Basis>(particles, stencil(), sums.momentum);
   if (!m_parts.boundary.is_empty())
-    transfer::deposit_surface_load<dim, Basis>(m_parts.boundary.view(), stencil(), sums);
+    m_load = transfer::deposit_surface_load<dim, Basis>(m_parts.boundary.view(), stencil(), sums);
   m_sums.sum_to_owners();
 }
 
@@ -228,22 +228,29 @@ void ExplicitStep<dim, Basis>::constrain(grid::ConstrainedNodes<dim> nodes) {
 
 /// p_I += f_I dt (Eq. 6) with walls, rigid bodies and damping; then v_I = p_I/m_I, a_I = f_I/m_I.
 template <int dim, class Basis>
-void ExplicitStep<dim, Basis>::update_momentum(const StepTimes& times, double damping) {
+void ExplicitStep<dim, Basis>::update_momentum(const StepTimes& times,
+                                               const StepOptions<dim>& options) {
   const petsc::Phase phase("mpm: update momentum");
   const transfer::MassMomentumForce<dim> sums(m_sums);
   const double dt = times.momentum_dt();
-  m_parts.walls.fold(m_parts.grid, m_sums);
+  book_deposits(options, dt);
+  m_folded = m_parts.walls.fold_sums(m_parts.grid, m_sums);
   invert_mass();
   m_parts.grid.for_each_active_run([&](int I, int count) {
     for (int d = 0; d < dim; ++d) add_product(sums.force[d] + I, dt, count, sums.momentum[d] + I);
   });
   for (auto* constraint : m_parts.constraints) constraint->find_nodes();
   constrain({sums.mass, sums.momentum, sums.force, dt});
+  m_held = m_parts.walls.about_to_hold(m_parts.grid, m_sums);
   m_parts.walls.hold(m_parts.grid, m_sums);
   sum_unbalanced_force();
-  if (damping > 0.0) apply_damping(damping, dt);
+  if (options.damping > 0.0) apply_damping(options.damping, dt);
   compute_velocity_and_acceleration();
+  book_walls(options.flip_share(dt), dt);
+  book_constraints(dt);
+  book_work(options, dt);
   m_rates.copy_to_ghosts();
+  if (!m_parts.boundary.is_empty()) book_loads_work(dt);
 }
 
 template <int dim, class Basis>
@@ -281,6 +288,8 @@ void ExplicitStep<dim, Basis>::apply_damping(double damping, double dt) {
         for (double* value : {sums.force[d] + I, sums.momentum[d] + I})
           undamped.emplace_back(value, *value);
   }
+  for (int d = 0; d < dim; ++d)
+    m_undamped[d].assign(sums.momentum[d], sums.momentum[d] + m_parts.grid.local_size());
   m_parts.grid.for_each_active_run([&](int I, int count) {
     for (int d = 0; d < dim; ++d) damp(damping, dt, count, sums.force[d] + I, sums.momentum[d] + I);
   });

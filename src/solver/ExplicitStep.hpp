@@ -26,7 +26,7 @@ class ExplicitStep : public Step<dim> {
   void deposit(const View& particles, const StepOptions<dim>& options);
   /// Nodal momentum, velocity and acceleration after forces, walls and constraints (Eq. 6).
   /// Collective.
-  void update_momentum(const StepTimes& times, double damping);
+  void update_momentum(const StepTimes& times, const StepOptions<dim>& options);
   /// Particle velocities (Eq. 7). Local.
   void update_velocities(const View& particles, const StepTimes& times,
                          const StepOptions<dim>& options);
@@ -50,6 +50,14 @@ class ExplicitStep : public Step<dim> {
   void invert_mass();
   void constrain(grid::ConstrainedNodes<dim> nodes);
   void sum_unbalanced_force();
+  // What a momentum update books, see StepLedger.cpp.
+  void book_deposits(const StepOptions<dim>& options, double dt);
+  void book_walls(double flip_share, double dt);
+  void book_constraints(double dt);
+  void book_work(const StepOptions<dim>& options, double dt);
+  void book_loads_work(double dt);
+  double mean_velocity(int d, int I, double dt) const;
+  using WallHolds = std::vector<typename grid::Walls<dim>::Held>;
   void apply_damping(double damping, double dt);
   void compute_velocity_and_acceleration();
   void constrain_remapped_momentum();
@@ -80,6 +88,9 @@ class ExplicitStep : public Step<dim> {
   transfer::Increments m_increments;
   std::vector<double> m_inverse_mass;  ///< of the nodes of m_sums; 0 where there is no mass
   double m_unbalanced_force = 0.0;
+  Vector<dim> m_load{};        ///< deposited by loaded surfaces in the present step, N
+  WallHolds m_folded, m_held;  ///< by walls in the present step, before and after constraints
+  std::array<std::vector<double>, dim> m_undamped;  ///< momentum; empty without damping
 };
 
 }  // namespace mpm::solver

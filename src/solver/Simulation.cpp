@@ -77,13 +77,15 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
   m_options.flip_time = setup.flip_time;
   m_options.averages_volume = setup.averages_volume;
   seed(setup);
+  declare_causes();
 }
 
 template <int dim>
 std::unique_ptr<Step<dim>> Simulation<dim>::make_step(const SimulationSetup<dim>& setup) {
   return basis::with_basis(setup.basis, [&]<class Basis>() {
-    return solver::make_step<dim, Basis>(setup.scheme, {*m_grid, bases<dim, Basis>(setup), m_walls,
-                                                        *m_particles, *m_boundary, m_constraints});
+    return solver::make_step<dim, Basis>(
+        setup.scheme, {*m_grid, bases<dim, Basis>(setup), m_walls, *m_particles, *m_boundary,
+                       m_constraints, m_ledger});
   });
 }
 
@@ -112,6 +114,7 @@ void Simulation<dim>::seed(const SimulationSetup<dim>& setup) {
 
 template <int dim>
 void Simulation<dim>::add_constraint(std::shared_ptr<grid::Constraint<dim>> constraint) {
+  m_ledger.cause(constraint->label());
   m_constraints.push_back(constraint.get());
   m_owned_constraints.push_back(std::move(constraint));
 }
@@ -124,15 +127,18 @@ void Simulation<dim>::persist_constraints(Archive& archive) {
 
 template <int dim>
 void Simulation<dim>::start_from_rest() {
-  const particles::ParticleView<dim> view = m_particles->view();
-  for (int p = 0; p < view.count; ++p) {
-    for (int d = 0; d < dim; ++d) view.velocity[d][p] = view.displacement[d][p] = 0.0;
-    if (m_options.transfer == Transfer::apic)
-      for (const auto& row : view.velocity_gradient)
-        for (double* component : row) component[p] = 0.0;
-    view.deviatoric_strain[p] = 0.0;
+  {
+    const particles::ParticleView<dim> view = m_particles->view();
+    for (int p = 0; p < view.count; ++p) {
+      for (int d = 0; d < dim; ++d) view.velocity[d][p] = view.displacement[d][p] = 0.0;
+      if (m_options.transfer == Transfer::apic)
+        for (const auto& row : view.velocity_gradient)
+          for (double* component : row) component[p] = 0.0;
+      view.deviatoric_strain[p] = 0.0;
+    }
   }
   m_dt_old = 0.0;
+  open_ledger();
 }
 
 template <int dim>
@@ -284,6 +290,34 @@ Vector<dim> Simulation<dim>::momentum() const {
     for (int d = 0; d < dim; ++d) sum[d] += view.mass[p] * view.velocity[d][p];
   for (double& component : sum) component = communicator().sum(component);
   return sum;
+}
+
+/// All that there can be, in one order on all ranks.
+template <int dim>
+void Simulation<dim>::declare_causes() {
+  for (const char* name : {"gravity", "loads", "damping"}) m_ledger.cause(name);
+  for (int d = 0; d < dim; ++d)
+    for (int side : {0, 1})
+      if (m_walls.kind(d, side) != grid::Wall::free) m_ledger.cause(wall_cause(2 * d + side));
+}
+
+template <int dim>
+void Simulation<dim>::open_ledger() {
+  m_ledger.open(particle_sums());
+}
+
+template <int dim>
+ParticleSums<dim> Simulation<dim>::particle_sums() const {
+  double motion = 0.0;
+  {
+    const particles::ParticleView<dim> view = m_particles->view();
+    for (int p = 0; p < view.count; ++p) {
+      double square = 0.0;
+      for (int d = 0; d < dim; ++d) square += view.velocity[d][p] * view.velocity[d][p];
+      motion += view.mass[p] * std::sqrt(square);
+    }
+  }
+  return {momentum(), kinetic_energy(), communicator().sum(motion)};
 }
 
 template <int dim>

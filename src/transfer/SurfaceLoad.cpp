@@ -36,16 +36,37 @@ Vector<dim> followed(const Gradient<dim>& L, Vector<dim> value, double dt, const
 }  // namespace
 
 template <int dim, class Basis>
-void deposit_surface_load(const particles::BoundaryView<dim>& boundary, Stencil<dim, Basis> stencil,
-                          const MassMomentumForce<dim>& nodes) {
+Vector<dim> deposit_surface_load(const particles::BoundaryView<dim>& boundary,
+                                 Stencil<dim, Basis> stencil, const MassMomentumForce<dim>& nodes) {
+  Vector<dim> sum{};
+  for (int b = 0; b < boundary.count; ++b) {
+    const Vector<dim> a = boundary.area_of(b);
+    const double p = boundary.pressure[b];
+    double share = 0.0;
+    stencil.move_to_continued(boundary.anchor_of(b), boundary.position_of(b));
+    stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>&) {
+      for (int d = 0; d < dim; ++d) nodes.force[d][I] -= p * a[d] * N;
+      share += N;
+    });
+    for (int d = 0; d < dim; ++d) sum[d] -= p * a[d] * share;
+  }
+  return sum;
+}
+
+template <int dim, class Basis>
+double surface_load_power(const particles::BoundaryView<dim>& boundary, Stencil<dim, Basis> stencil,
+                          double dt, const VelocityAcceleration<dim>& nodes) {
+  double power = 0.0;
   for (int b = 0; b < boundary.count; ++b) {
     const Vector<dim> a = boundary.area_of(b);
     const double p = boundary.pressure[b];
     stencil.move_to_continued(boundary.anchor_of(b), boundary.position_of(b));
     stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>&) {
-      for (int d = 0; d < dim; ++d) nodes.force[d][I] -= p * a[d] * N;
+      for (int d = 0; d < dim; ++d)
+        power -= p * a[d] * N * (nodes.velocity[d][I] - 0.5 * dt * nodes.acceleration[d][I]);
     });
   }
+  return power;
 }
 
 template <int dim, class Basis>
@@ -79,8 +100,11 @@ Drift move_surface(const particles::BoundaryView<dim>& boundary, const grid::Gri
 }
 
 #define MPM_INSTANTIATE(dim, Basis)                                                             \
-  template void deposit_surface_load<dim, Basis>(                                               \
+  template Vector<dim> deposit_surface_load<dim, Basis>(                                        \
       const particles::BoundaryView<dim>&, Stencil<dim, Basis>, const MassMomentumForce<dim>&); \
+  template double surface_load_power<dim, Basis>(const particles::BoundaryView<dim>&,           \
+                                                 Stencil<dim, Basis>, double,                   \
+                                                 const VelocityAcceleration<dim>&);             \
   template Drift move_surface<dim, Basis>(                                                      \
       const particles::BoundaryView<dim>&, const grid::Grid<dim>&, Stencil<dim, Basis>, double, \
       const VelocityAcceleration<dim>&, const NodalVector<dim>&);

@@ -60,6 +60,7 @@ class RigidContact : public grid::Constraint<dim> {
   void find_nodes() override;
   void constrain(const grid::Grid<dim>& grid, grid::ConstrainedNodes<dim>& nodes) override;
   bool spares_from_damping() const override { return true; }
+  std::string label() const override { return "contact"; }
   grid::Booking<dim>& booking() override { return m_body->meter().booking(); }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -104,6 +105,8 @@ class Constraint {
   virtual void constrain(const Grid<dim>& grid, ConstrainedNodes<dim>& nodes) = 0;
   /// Whether nodes it has acted on are left out of local damping, which would show in its force.
   virtual bool spares_from_damping() const { return false; }
+  /// The cause that its impulses and its work are booked under.
+  virtual std::string label() const { return "constraint"; }
   virtual Booking<dim>& booking() { return m_booking; }
   /// Saves or puts back what it knows between steps.
   virtual void persist(Archive& archive) { booking().persist(archive); }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "mpm/grid/NodalField.hpp"
 
@@ -26,6 +27,18 @@ class Walls {
 
   Wall kind(int d, int side) const { return m_kinds[d][side]; }
 
+  /// What is about to be folded away or held on an owned node of a wall, of one component.
+  struct Held {
+    int wall;        ///< 2 d + side
+    int component;   ///< of vectors
+    int reflection;  ///< local; -1 for a node on the wall itself
+    double mass, momentum, force;
+  };
+  /// The same as fold, for the field of mass, momentum and force, with what it takes away. Local.
+  std::vector<Held> fold_sums(const Grid<dim>& grid, NodalField<dim>& sums) const;
+  /// What hold would take away from that field. Local.
+  std::vector<Held> about_to_hold(const Grid<dim>& grid, NodalField<dim>& sums) const;
+
   /// Folds summed deposits on owned nodes and sets held components at the wall to zero. Local.
   void fold(const Grid<dim>& grid, NodalField<dim>& field) const;
   /// Sets held components on owned wall nodes to zero. Local.
@@ -38,6 +51,9 @@ class Walls {
   template <class Visit>
   void for_each_wall(const Visit& visit) const;
   /// visit(value beyond the wall, value of its reflection, sign) on owned nodes.
+  void fold_node(NodalField<dim>& field, int d, int side, int beyond, int reflection) const;
+  template <class Visit>
+  void for_each_held_node(const Grid<dim>& grid, const Visit& visit) const;
   template <class Visit>
   void for_each_pair(const Grid<dim>& grid, NodalField<dim>& field, const Visit& visit) const;
 

@@ -52,6 +52,8 @@ class Run {
   void write_fields();
   std::string status(const Stage<dim>& stage) const;
   void load_surface();
+  void check_ledger() const;
+  void summarise_ledger(io::Summary& summary) const;
 
   const RunOptions& m_options;
   Problem<dim> m_problem;

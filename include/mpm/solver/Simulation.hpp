@@ -59,7 +59,7 @@ class Simulation {
   StepTimes advance(double time, double dt);
 
   /// Sets velocities, displacements and accumulated strain to zero and halves the next change of
-  /// momentum: the start of a stage from rest. Local.
+  /// momentum: the start of a stage from rest. Collective.
   void start_from_rest();
 
   /// As if the last step had had this length, s. Local.
@@ -90,6 +90,13 @@ class Simulation {
   const particles::BoundaryParticles<dim>& boundary() const { return *m_boundary; }
   const Step<dim>& step() const { return *m_step; }
 
+  /// Momentum and energy by cause since the ledger was opened: at the start of the run, or of a
+  /// stage that began at rest. Collective.
+  LedgerReport<dim> ledger() const { return report(m_ledger, particle_sums(), communicator()); }
+  /// Opens it anew; after particles have been given velocities by hand. Collective.
+  void open_ledger();
+  void persist_ledger(Archive& archive) { m_ledger.persist(archive); }
+
   /// Sum of |f| over all nodes without damping, N. Collective.
   double unbalanced_force() const;
   /// The same as a share of the weight sum m g. Collective.
@@ -107,6 +114,8 @@ class Simulation {
   std::unique_ptr<grid::Grid<dim>> make_grid(const SimulationSetup<dim>& setup) const;
   std::unique_ptr<Step<dim>> make_step(const SimulationSetup<dim>& setup);
   void seed(const SimulationSetup<dim>& setup);
+  void declare_causes();
+  ParticleSums<dim> particle_sums() const;
   void rebalance();
   void migrate();
   void renew_time_step();
@@ -120,6 +129,7 @@ class Simulation {
   std::unique_ptr<particles::BoundaryParticles<dim>> m_boundary;
   std::vector<std::shared_ptr<grid::Constraint<dim>>> m_owned_constraints;
   Constraints<dim> m_constraints;
+  Ledger<dim> m_ledger;
   std::unique_ptr<Step<dim>> m_step;
   StepOptions<dim> m_options;
   double m_courant;

@@ -11,6 +11,7 @@
 #include "mpm/grid/Walls.hpp"
 #include "mpm/particles/BoundaryParticles.hpp"
 #include "mpm/particles/Particles.hpp"
+#include "mpm/solver/Ledger.hpp"
 #include "mpm/solver/StepTimes.hpp"
 #include "mpm/transfer/PointDeposit.hpp"
 #include "mpm/transfer/Transfer.hpp"
@@ -83,6 +84,7 @@ struct StepParts {
   particles::Particles<dim>& particles;
   particles::BoundaryParticles<dim>& boundary;
   const Constraints<dim>& constraints;
+  Ledger<dim>& ledger;
 };
 
 /// Which velocities strain the particles, and when their stress is renewed.
