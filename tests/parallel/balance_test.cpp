@@ -35,6 +35,7 @@ void for_every_method(const Check& check) {
 SimulationSetup<2> column(LoadBalance method) {
   SimulationSetup<2> setup{
       .lines = {KnotLines::uniform(0.0, 6.4, 64), KnotLines::uniform(0.0, 2.3, 23)}};
+  setup.communicator = test::world();
   setup.walls = {{{Wall::symmetry, Wall::free}, {Wall::fixed, Wall::free}}};
   setup.materials = {std::make_shared<material::MohrCoulomb>(material::MohrCoulombParameters{
       .elastic = {.youngs_modulus = 2e5, .poisson_ratio = 0.3, .density = 1500.0},

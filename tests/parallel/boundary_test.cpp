@@ -359,6 +359,7 @@ TEST(SurfaceMotion, follows_simple_shear_exactly) {
 /// A block that is pressed all round, with a different pressure everywhere, in a wide sky.
 SimulationSetup<2> flying_block(basis::Kind kind) {
   SimulationSetup<2> setup{.lines = test::equal_lines<2>(-0.4, 4.4, 24)};
+  setup.communicator = test::world();
   setup.basis = kind;
   setup.walls = test::walls_all<2>(Wall::free);
   setup.materials = {test::elastic()};

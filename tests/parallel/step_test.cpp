@@ -343,6 +343,7 @@ constexpr double disc_radius = 0.7, disc_distance = 0.95, disc_speed = 0.03;
 SimulationSetup<2> discs(bool half) {
   SimulationSetup<2> setup{.lines = {KnotLines::uniform(half ? 0.0 : -2.4, 2.4, half ? 24 : 48),
                                      KnotLines::uniform(-1.2, 1.2, 24)}};
+  setup.communicator = test::world();
   setup.walls = test::walls_all<2>(Wall::free);
   if (half) setup.walls[0][0] = Wall::symmetry;
   setup.materials = {test::elastic()};
