@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,24 +12,174 @@
 
 namespace {
 
-/// One level down, so that the sections of a scene stand under its name.
-std::string demote_headings(const std::string& markdown) {
+using mpm::options::Row;
+
+struct SceneRows {
+  std::string name, sentence;
+  std::vector<Row> rows;
+};
+
+/// An option that several scenes declare alike, but for its default.
+struct Shared {
+  Row row;
+  std::string home;                                           ///< section it is printed in
+  std::vector<std::string> sections;                          ///< that declare it
+  std::vector<std::pair<std::string, std::string>> initials;  ///< scene, default
+};
+
+/// Home of what several scenes have in sections of their own.
+const std::string no_common_section = "In several scenes";
+
+std::vector<SceneRows> rows_of_scenes() {
+  std::vector<SceneRows> scenes;
+  for (const auto& kind : mpm::cases::case_kinds()) {
+    const auto scene = kind.make();
+    mpm::options::OptionSet options;
+    scene->declare(options);
+    scenes.push_back({std::string(kind.name), std::string(kind.sentence), options.rows()});
+    for (Row& row : scenes.back().rows)
+      if (row.initial == "out/" + scenes.back().name) row.initial = "out/SCENE";
+  }
+  return scenes;
+}
+
+bool alike(const Row& a, const Row& b) {
+  return a.name == b.name && a.unit == b.unit && a.allowed == b.allowed &&
+         a.sentence == b.sentence && a.source == b.source;
+}
+
+bool is_in_several(const std::string& section, const std::vector<SceneRows>& scenes) {
+  return std::ranges::count_if(scenes, [&](const SceneRows& scene) {
+           return std::ranges::find(scene.rows, section, &Row::section) != scene.rows.end();
+         }) > 1;
+}
+
+void add(std::vector<Shared>& all, const Row& row, const std::string& scene) {
+  auto place = std::ranges::find_if(all, [&](const Shared& s) { return alike(s.row, row); });
+  if (place == all.end()) place = all.insert(all.end(), {row, {}, {}, {}});
+  place->sections.push_back(row.section);
+  place->initials.emplace_back(scene, row.initial);
+}
+
+std::string most_common_initial(const Shared& shared) {
+  const auto count = [&](const std::string& initial) {
+    return std::ranges::count_if(shared.initials,
+                                 [&](const auto& i) { return i.second == initial; });
+  };
+  std::string best = shared.initials[0].second;
+  for (const auto& [scene, initial] : shared.initials)
+    if (count(initial) > count(best)) best = initial;
+  return best;
+}
+
+std::vector<Shared> shared_of(const std::vector<SceneRows>& scenes) {
+  std::vector<Shared> all;
+  for (const SceneRows& scene : scenes)
+    for (const Row& row : scene.rows) add(all, row, scene.name);
+  std::erase_if(all, [](const Shared& s) { return s.initials.size() < 2; });
+  for (Shared& shared : all) {
+    const auto home = std::ranges::find_if(
+        shared.sections, [&](const std::string& s) { return is_in_several(s, scenes); });
+    shared.home = home == shared.sections.end() ? no_common_section : *home;
+    shared.row.initial = most_common_initial(shared);
+  }
+  return all;
+}
+
+std::vector<std::string> homes_of(const std::vector<Shared>& all) {
+  std::vector<std::string> homes;
+  for (const Shared& shared : all)
+    if (std::ranges::find(homes, shared.home) == homes.end()) homes.push_back(shared.home);
+  return homes;
+}
+
+std::string line_of(const Row& row) {
+  std::string line = "|";
+  for (const auto& text :
+       {"`-" + row.name + "`", row.initial, row.unit, row.allowed, row.sentence, row.source}) {
+    line += ' ';
+    for (const char c : text) line += c == '|' ? std::string("\\|") : std::string(1, c);
+    line += " |";
+  }
+  return line + '\n';
+}
+
+const std::string table_head =
+    "| option | default | unit | allowed | meaning | source |\n|---|---|---|---|---|---|\n";
+
+/// Scenes whose default is not the one of the table, a line a default.
+std::string other_defaults(const Shared& shared) {
+  std::vector<std::pair<std::string, std::string>> lines;
+  for (const auto& [scene, initial] : shared.initials) {
+    if (initial == shared.row.initial) continue;
+    const auto line =
+        std::ranges::find_if(lines, [&](const auto& l) { return l.first == initial; });
+    if (line == lines.end())
+      lines.emplace_back(initial, scene);
+    else
+      line->second += ", " + scene;
+  }
   std::string text;
-  for (std::size_t begin = 0; begin < markdown.size();) {
-    const std::size_t end = std::min(markdown.find('\n', begin), markdown.size() - 1) + 1;
-    if (markdown[begin] == '#') text += '#';
-    text += markdown.substr(begin, end - begin);
-    begin = end;
+  for (const auto& [initial, names] : lines)
+    text += fmt::format("| `-{}` | {} | {} |\n", shared.row.name, names, initial);
+  return text;
+}
+
+std::string shared_section(const std::string& home, const std::vector<Shared>& all) {
+  std::string rows, others;
+  for (const Shared& shared : all) {
+    if (shared.home != home) continue;
+    rows += line_of(shared.row);
+    others += other_defaults(shared);
+  }
+  if (!others.empty())
+    others = "\nOther defaults:\n\n| option | in scene | default |\n|---|---|---|\n" + others;
+  return fmt::format("\n### {}\n\n{}{}{}", home, table_head, rows, others);
+}
+
+std::string anchor(std::string heading) {
+  for (char& c : heading)
+    if (c == ' ')
+      c = '-';
+    else if (c >= 'A' && c <= 'Z')
+      c = static_cast<char>(c - 'A' + 'a');
+  return heading;
+}
+
+/// Which options of a shared section a scene has: a link, and names unless it has all.
+std::string link_to(const std::string& home, const std::string& scene,
+                    const std::vector<Shared>& all) {
+  std::string had, missing;
+  for (const Shared& shared : all) {
+    if (shared.home != home) continue;
+    const bool has =
+        std::ranges::any_of(shared.initials, [&](const auto& i) { return i.first == scene; });
+    (has ? had : missing) += fmt::format(" `-{}`", shared.row.name);
+  }
+  if (had.empty()) return {};
+  const std::string link = fmt::format("- [{}](#{})", home, anchor(home));
+  if (missing.empty()) return link + '\n';
+  return had.size() <= missing.size() ? fmt::format("{}:{} only\n", link, had)
+                                      : fmt::format("{}, without{}\n", link, missing);
+}
+
+std::string own_sections(const SceneRows& scene, const std::vector<Shared>& all) {
+  std::string text, section;
+  for (const Row& row : scene.rows) {
+    if (std::ranges::any_of(all, [&](const Shared& s) { return alike(s.row, row); })) continue;
+    if (row.section != section)
+      text += fmt::format("\n### {} ({})\n\n{}", row.section, scene.name, table_head);
+    section = row.section;
+    text += line_of(row);
   }
   return text;
 }
 
-std::string section(const mpm::cases::CaseKind& kind) {
-  const auto scene = kind.make();
-  mpm::options::OptionSet options;
-  scene->declare(options);
-  return fmt::format("\n## -scene {}\n\n{}.\n\n{}", kind.name, kind.sentence,
-                     demote_headings(options.markdown()));
+std::string scene_section(const SceneRows& scene, const std::vector<Shared>& all) {
+  std::string links;
+  for (const std::string& home : homes_of(all)) links += link_to(home, scene.name, all);
+  return fmt::format("\n## -scene {}\n\n{}.\n\nShared options:\n\n{}{}", scene.name, scene.sentence,
+                     links, own_sections(scene, all));
 }
 
 using Values = std::vector<std::pair<std::string, std::string>>;
@@ -86,6 +237,12 @@ int main() {
       "| scene | what it is |\n|---|---|\n");
   for (const auto& kind : mpm::cases::case_kinds())
     fmt::print("| [{0}](#-scene-{0}) | {1} |\n", kind.name, kind.sentence);
+  const auto scenes = rows_of_scenes();
+  const auto shared = shared_of(scenes);
+  fmt::print(
+      "\n## Shared options\n\nDeclared alike by several scenes; the section of a scene says "
+      "which it has. SCENE is the scene's name.\n");
+  for (const auto& home : homes_of(shared)) fmt::print("{}", shared_section(home, shared));
   fmt::print("{}", table_of_sands());
-  for (const auto& kind : mpm::cases::case_kinds()) fmt::print("{}", section(kind));
+  for (const auto& scene : scenes) fmt::print("{}", scene_section(scene, shared));
 }

@@ -82,7 +82,7 @@ class Hertz : public GridCase<2> {
     options.integer("cells", m_cells, {8, 10'000}, {"1", "cells over the radius", "chosen"});
     options.real("radius", m_radius, options::positive(), {"m", "of the cylinder", "chosen"});
     options.real("offset", m_offset, options::between(0.0, 1.0),
-                 {"cells", "height of the plane above a grid line", "docs/verification.md"});
+                 {"cells", "height of the plane above a grid line", "docs/verification/hertz.md"});
     options.real("load", m_load, options::positive(),
                  {"Pa", "q, pressure on the flat cut through the axis", "chosen"});
     options.real("load_time", m_load_time, options::positive(),

@@ -64,7 +64,7 @@ class Incline : public GridCase<2> {
                     "bodies touch on nodes at or below the plane (gap), or on those if most "
                     "particles beside it there touch it (particle); auto takes gap for the block, "
                     "particle for the disc",
-                    "docs/verification.md"});
+                    "docs/verification/incline.md"});
     m_material.declare(options);
   }
 

@@ -121,4 +121,12 @@ std::string OptionSet::used() const {
   return by_section([](const std::string& title) { return "# " + title + "\n"; }, entry);
 }
 
+std::vector<Row> OptionSet::rows() const {
+  std::vector<Row> all;
+  for (const Option& option : m_options)
+    all.push_back({option.section, option.name, option.initial, unit_of(option.about),
+                   option.allowed, option.about.sentence, option.about.source});
+  return all;
+}
+
 }  // namespace mpm::options

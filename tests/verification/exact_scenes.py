@@ -2,8 +2,8 @@
 
 usage: exact_scenes.py LAUNCHER PROGRAM RANKS
 
-Bounds are the targets of docs/verification.md, but for the column's mean error and for hertz, which
-has eight times fewer particles here.
+Bounds are the targets of docs/verification/README.md but for the column's mean error and for hertz,
+which has eight times fewer particles here.
 """
 
 import json

@@ -24,6 +24,14 @@ struct About {
   bool is_dimensionless() const { return unit.empty() || unit == "1"; }
 };
 
+/// One option as pages print it.
+struct Row {
+  std::string section, name;
+  std::string initial;  ///< the default for readers
+  std::string unit;     ///< "-" when dimensionless
+  std::string allowed, sentence, source;
+};
+
 /// The options of a run, each declared once. The value bound at declaration is the default;
 /// `assign` overwrites it. Names are given without the leading dash. Empty text and empty lists
 /// mean "not set". Bound variables must outlive the set.
@@ -71,6 +79,8 @@ class OptionSet {
   std::string help() const;
   /// Markdown tables for the reference page.
   std::string markdown() const;
+  /// Every option in declared order, for pages that compare several sets.
+  std::vector<Row> rows() const;
   /// Every option with its present value as an options file that reproduces the run.
   std::string used() const;
   /// Name and present value of every option (empty when not set), in declared order.
