@@ -42,8 +42,8 @@ void create_dmda(MPI_Comm communicator, const std::array<basis::NodeLine, dim>& 
                            processes[0], processes[1], 1, width, lengths[0].data(),
                            lengths[1].data(), dm));
   else
-    MPM_PETSC(DMDACreate3d(communicator, none, none, none, DMDA_STENCIL_BOX, counts[0],
-                           counts[1], counts[2], processes[0], processes[1], processes[2], 1, width,
+    MPM_PETSC(DMDACreate3d(communicator, none, none, none, DMDA_STENCIL_BOX, counts[0], counts[1],
+                           counts[2], processes[0], processes[1], processes[2], 1, width,
                            lengths[0].data(), lengths[1].data(), lengths[2].data(), dm));
   MPM_PETSC(DMSetUp(*dm));
 }

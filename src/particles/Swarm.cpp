@@ -139,7 +139,8 @@ template <int dim>
 void Swarm<dim>::migrate(std::span<const std::array<int, dim>> cells) {
   const std::vector<int> destination = owners_of(cells);
   const long long outside = std::count(destination.begin(), destination.end(), -1);
-  if (communicator().sum(outside) > 0) throw NumericalFailure(fmt::format("a {} left the grid", m_what));
+  if (communicator().sum(outside) > 0)
+    throw NumericalFailure(fmt::format("a {} left the grid", m_what));
 
   const int here = m_grid.rank();
   std::vector<int> leaving;

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "mpm/material/NeoHookean.hpp"
 #include "mpm/cases/VortexMotion.hpp"
+#include "mpm/material/NeoHookean.hpp"
 
 namespace mpm::cases {
 namespace {
