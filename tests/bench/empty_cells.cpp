@@ -63,6 +63,6 @@ void measure() {
 }  // namespace mpm
 
 int main() {
-  const mpm::petsc::Session session({});
+  const mpm::petsc::Session session;
   mpm::measure();
 }

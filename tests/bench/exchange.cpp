@@ -94,7 +94,7 @@ void measure_all() {
 }  // namespace mpm
 
 int main() {
-  const mpm::petsc::Session session({});
+  const mpm::petsc::Session session;
   if (mpm::petsc::world_size() != 2) {
     if (session.rank() == 0) fmt::print(stderr, "exchange needs two ranks\n");
     return 2;

@@ -65,7 +65,7 @@ void measure(const Request& request) {
 }  // namespace mpm
 
 int main(int count, char** arguments) {
-  const mpm::petsc::Session session({});
+  const mpm::petsc::Session session;
   if (count != 6) {
     if (session.rank() == 0)
       fmt::print(stderr,

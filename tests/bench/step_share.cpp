@@ -162,6 +162,6 @@ void measure_all() {
 }  // namespace mpm
 
 int main() {
-  const mpm::petsc::Session session({});
+  const mpm::petsc::Session session;
   mpm::measure_all();
 }
