@@ -7,6 +7,7 @@
 #include "mpm/cases/GridCase.hpp"
 #include "mpm/cases/RigidContactOf.hpp"
 #include "mpm/core/Errors.hpp"
+#include "mpm/geometry/HalfSpace.hpp"
 #include "mpm/run/BodyReaction.hpp"
 #include "mpm/run/Endings.hpp"
 #include "mpm/run/History.hpp"
@@ -85,7 +86,7 @@ run::Problem<2> Biaxial::problem() {
 
 void Biaxial::make_plate() {
   m_plate = std::make_shared<contact::RigidBody<2>>(
-      std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, -1.0}), Vector<2>{0.0, m_test.height},
+      std::make_shared<geometry::HalfSpace<2>>(Vector<2>{0.0, -1.0}), Vector<2>{0.0, m_test.height},
       std::make_shared<contact::RampMotion<2>>(Vector<2>{0.0, -1.0}, m_test.ramp()));
   m_reaction = std::make_shared<run::BodyReaction<2>>(
       m_plate, contact::ContourBand{.inner = 0.1 * m_test.height, .outer = 0.4 * m_test.height});
@@ -149,8 +150,8 @@ run::HistoryTable<2> Biaxial::history() {
 
 std::vector<double> Biaxial::row(const Now& now) {
   std::vector<double> row{now.clock.time_in_stage, axial_strain() * m_test.height, axial_strain(),
-                          m_reaction->take_by_impulse()[1] / m_test.width,
-                          m_reaction->take_by_contour()[1] / m_test.width};
+                          m_reaction->take_by_impulse().force[1] / m_test.width,
+                          m_reaction->take_by_contour().force[1] / m_test.width};
   for (const auto& point : m_points) {
     const std::vector<double> values = point->observe(now.simulation.particles());
     row.insert(row.end(), values.begin(), values.end());

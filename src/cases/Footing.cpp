@@ -7,6 +7,7 @@
 
 #include "mpm/cases/GridCase.hpp"
 #include "mpm/contact/RigidBody.hpp"
+#include "mpm/geometry/HalfSpace.hpp"
 #include "mpm/material/VonMises.hpp"
 #include "mpm/petsc/Session.hpp"
 #include "mpm/run/Endings.hpp"
@@ -102,7 +103,7 @@ class Footing : public GridCase<2> {
 
   run::Problem<2> problem() override {
     m_footing = std::make_shared<contact::RigidBody<2>>(
-        std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, -1.0}), Vector<2>{0.0, 0.0},
+        std::make_shared<geometry::HalfSpace<2>>(Vector<2>{0.0, -1.0}), Vector<2>{0.0, 0.0},
         std::make_shared<contact::RampMotion<2>>(Vector<2>{0.0, -1.0},
                                                  contact::Ramp{m_velocity, ramp_share * way()}));
     m_curve = std::make_shared<run::History<2>>(history());

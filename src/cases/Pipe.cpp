@@ -12,6 +12,7 @@
 #include "mpm/cases/ReactionAgreement.hpp"
 #include "mpm/cases/RigidContactOf.hpp"
 #include "mpm/core/Errors.hpp"
+#include "mpm/geometry/Ball.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/petsc/Session.hpp"
 #include "mpm/run/BodyReaction.hpp"
@@ -116,7 +117,7 @@ run::Problem<2> Pipe::problem() {
 void Pipe::make_body() {
   const contact::Ramp ramp{m_pipe.velocity, m_pipe.ramp_distance * m_pipe.diameter};
   m_body = std::make_shared<contact::RigidBody<2>>(
-      std::make_shared<contact::Ball<2>>(m_pipe.radius()), Vector<2>{0.0, -m_pipe.depth()},
+      std::make_shared<geometry::Ball<2>>(m_pipe.radius()), Vector<2>{0.0, -m_pipe.depth()},
       std::make_shared<contact::RampMotion<2>>(Vector<2>{0.0, -1.0}, ramp));
   m_reaction = std::make_shared<run::BodyReaction<2>>(
       m_body, contact::ContourBand{.inner = band_begin * m_pipe.diameter,
@@ -195,8 +196,8 @@ run::HistoryTable<2> Pipe::history() {
 
 /// Means since the row before.
 std::vector<double> Pipe::row(const Now& now) {
-  const double reaction = whole(m_reaction->take_by_impulse()[1]);
-  const double contour = whole(m_reaction->take_by_contour()[1]);
+  const double reaction = whole(m_reaction->take_by_impulse().force[1]);
+  const double contour = whole(m_reaction->take_by_contour().force[1]);
   return {now.clock.time_in_stage,
           displacement(),
           u_over_D(),

@@ -7,6 +7,7 @@
 
 #include "mpm/cases/GridCase.hpp"
 #include "mpm/contact/RigidBody.hpp"
+#include "mpm/geometry/HalfSpace.hpp"
 #include "mpm/material/ElementTest.hpp"
 #include "mpm/material/SandFactory.hpp"
 #include "mpm/petsc/Session.hpp"
@@ -209,7 +210,7 @@ class Triaxial : public GridCase<3> {
 run::Problem<3> Triaxial::problem() {
   const contact::Ramp ramp{m_velocity, ramp_strain * side};
   m_platen = std::make_shared<contact::RigidBody<3>>(
-      std::make_shared<contact::HalfSpace<3>>(Vector<3>{0.0, -1.0, 0.0}), Vector<3>{0.0, side, 0.0},
+      std::make_shared<geometry::HalfSpace<3>>(Vector<3>{0.0, -1.0, 0.0}), Vector<3>{0.0, side, 0.0},
       std::make_shared<contact::RampMotion<3>>(Vector<3>{0.0, -1.0, 0.0}, ramp));
   m_constraint = std::make_shared<Platen>(m_platen);
   m_compression = std::make_shared<Compression>();

@@ -135,7 +135,7 @@ void RigidContact<dim>::find_near_nodes(const grid::Run<dim>& run) {
   for (int k = 0; k < run.count;) {
     std::array<int, dim> node = run.node;
     node[0] += k;
-    const Proximity<dim> proximity = m_body->locate(m_grid.position(node));
+    const geometry::Proximity<dim> proximity = m_body->locate(m_grid.position(node));
     if (is_near(node, proximity.distance)) add_touching(run.first + k, node, proximity.normal);
     const double next = x[k++] + (1.0 - round_off) * (proximity.distance - m_reach);
     while (k < run.count && x[k] < next) ++k;

@@ -127,7 +127,7 @@ void Run<dim>::take_step(const Stage<dim>& stage) {
   const double dt = m_simulation.plan(longest_step(stage));
   load_surface();
   for (const auto& body : m_problem.bodies)
-    stage.holds_bodies ? body->stand_still() : body->begin_step(m_clock.time_in_stage, dt);
+    stage.holds_bodies ? body->stand_still() : body->begin_step(dt);
   m_clock.advance(m_simulation.advance(m_clock.time, dt));
   for (const auto& body : m_problem.bodies) body->end_step(m_clock.dt, m_clock.momentum_dt);
   m_seconds_in_steps += MPI_Wtime() - begin;

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "mpm/contact/RigidContact.hpp"
+#include "mpm/geometry/HalfSpace.hpp"
 #include "mpm/material/MohrCoulomb.hpp"
 #include "mpm/petsc/Session.hpp"
 #include "support/Grids.hpp"
@@ -207,7 +208,7 @@ Outcome<2> pushed_block(LoadBalance method) {
     top.push_back({{0.225 + 0.05 * k, 1.375}, {0.0, 0.025}, {0.0, 0.05}, 2.0});
   simulation.boundary().add(top);
   const auto plane =
-      test::rigid_body<2>(contact::HalfSpace<2>({1.0, 0.0}), {0.16, 0.0}, {0.1, 0.0});
+      test::rigid_body<2>(geometry::HalfSpace<2>({1.0, 0.0}), {0.16, 0.0}, {0.1, 0.0});
   const auto contact = std::make_shared<contact::RigidContact<2>>(
       simulation.grid(), simulation.walls(), simulation.step().point_deposit(), plane,
       contact::ContactOptions{.friction = 0.3, .reference_density = test::soft.density});

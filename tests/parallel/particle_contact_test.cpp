@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "mpm/contact/RigidContact.hpp"
+#include "mpm/geometry/HalfSpace.hpp"
 #include "mpm/petsc/Session.hpp"
 #include "support/Grids.hpp"
 #include "support/Scenes.hpp"
@@ -12,6 +13,7 @@ namespace mpm::contact {
 namespace {
 
 using basis::KnotLines;
+using geometry::HalfSpace;
 using grid::Wall;
 
 constexpr double h = 0.1, bottom = 0.6, width = 0.6, height = 0.4;

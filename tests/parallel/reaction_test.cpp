@@ -4,11 +4,14 @@
 
 #include "mpm/contact/ContourReaction.hpp"
 #include "mpm/contact/RigidContact.hpp"
+#include "mpm/geometry/Ball.hpp"
 #include "mpm/petsc/Session.hpp"
 #include "support/Scenes.hpp"
 
 namespace mpm::contact {
 namespace {
+
+using geometry::Ball;
 
 /// Contact that pushes `factor` times as hard as it reports.
 class Exaggerated : public grid::Constraint<2> {
@@ -73,7 +76,7 @@ double difference(double factor) {
     time += dt;
   }
   const double reported = petsc::sum(disc->meter().take_impulse()[1]) / time;
-  return contour.take_mean()[1] / reported - 1.0;
+  return contour.take_mean().force[1] / reported - 1.0;
 }
 
 TEST(ContourReaction, agrees_with_the_impulses_that_contact_reports) {

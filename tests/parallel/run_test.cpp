@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mpm/core/Errors.hpp"
+#include "mpm/geometry/Ball.hpp"
 #include "mpm/run/Endings.hpp"
 #include "mpm/run/History.hpp"
 #include "mpm/run/Run.hpp"
@@ -44,7 +45,7 @@ struct Sheared {
       });
     };
     motion = std::make_shared<Recorded>();
-    body = std::make_shared<contact::RigidBody<2>>(std::make_shared<contact::Ball<2>>(0.2),
+    body = std::make_shared<contact::RigidBody<2>>(std::make_shared<geometry::Ball<2>>(0.2),
                                                    Vector<2>{0.5, 2.0}, motion);
     history = std::make_shared<History<2>>(HistoryTable<2>{
         .path = options.output_dir + "/history.csv",

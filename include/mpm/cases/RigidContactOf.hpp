@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "mpm/contact/RigidContact.hpp"
+#include "mpm/geometry/HalfSpace.hpp"
 #include "mpm/solver/Simulation.hpp"
 
 namespace mpm::cases {
@@ -10,7 +11,7 @@ namespace mpm::cases {
 /// The half space below a height, m.
 inline std::shared_ptr<contact::RigidBody<2>> ground(double height) {
   return std::make_shared<contact::RigidBody<2>>(
-      std::make_shared<contact::HalfSpace<2>>(Vector<2>{0.0, 1.0}), Vector<2>{0.0, height});
+      std::make_shared<geometry::HalfSpace<2>>(Vector<2>{0.0, 1.0}), Vector<2>{0.0, height});
 }
 
 /// Contact of all particles of a simulation, which must outlive it, with a rigid body. Collective.

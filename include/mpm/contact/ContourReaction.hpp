@@ -17,8 +17,9 @@ struct ContourBand {
 /// inside a cut-off chi that moves with the body. Integrated against chi, it reads
 ///   R = -d/dt sum m v chi + sum m v ((v - w).grad chi) - sum V sigma.grad chi + sum m g chi
 ///       - sum p a chi
-/// with w the body's velocity; the band in which chi falls is the contour, made as wide as a few
-/// cells so that particle stresses are averaged.
+/// with w the body's velocity there; the band in which chi falls is the contour, made as wide as a
+/// few cells so that particle stresses are averaged. The moment is that of the same terms about the
+/// reference point, which moves with w_0 and so adds - sum m chi w_0 x v.
 template <int dim>
 class ContourReaction {
  public:
@@ -32,14 +33,16 @@ class ContourReaction {
   void sample_surface(const particles::BoundaryView<dim>& boundary, const RigidBody<dim>& body,
                       double dt);
 
-  /// Mean reaction since the last call, N (per metre in plane strain), over the ranks that have the
-  /// particles. Collective.
-  Vector<dim> take_mean(const petsc::Communicator& communicator = petsc::world());
+  /// Mean reaction since the last call over the ranks that have the particles. Collective.
+  BodyForce<dim> take_mean(const petsc::Communicator& communicator = petsc::world());
 
   void persist(Archive& archive) {
-    archive("force_time", m_force_time);
-    archive("momentum", m_momentum);
-    archive("first_momentum", m_first_momentum);
+    archive("force_time", m_force_time.force);
+    archive("moment_time", m_force_time.moment);
+    archive("momentum", m_momentum.force);
+    archive("angular_momentum", m_momentum.moment);
+    archive("first_momentum", m_first_momentum.force);
+    archive("first_angular_momentum", m_first_momentum.moment);
     archive("time", m_time);
     archive("has_start", m_has_start);
   }
@@ -49,14 +52,23 @@ class ContourReaction {
     return (distance - m_band.inner) / (m_band.outer - m_band.inner);
   }
 
+  /// Adds a force at r to `sum`.
+  static void add(BodyForce<dim>& sum, const Vector<dim>& r, const Vector<dim>& force) {
+    for (int d = 0; d < dim; ++d) sum.force[d] += force[d];
+    if constexpr (dim == 2) sum.moment += moment_of<dim>(r, force);
+  }
+  double mean_of(double force_time, double momentum, double& first_momentum,
+                 const petsc::Communicator& communicator) const;
+
   ContourBand m_band;
-  Vector<dim> m_force_time{};      ///< integral of the force terms over time
-  Vector<dim> m_momentum{};        ///< sum m v chi of the last sample
-  Vector<dim> m_first_momentum{};  ///< the same at the start of the interval, over all ranks
+  BodyForce<dim> m_force_time;      ///< integrals of the terms over time
+  BodyForce<dim> m_momentum;        ///< sum m v chi of the last sample, and r x that
+  BodyForce<dim> m_first_momentum;  ///< the same at the start of the interval, over all ranks
   double m_time = 0.0;
   bool m_has_start = false;
 };
 
+extern template class ContourReaction<1>;
 extern template class ContourReaction<2>;
 extern template class ContourReaction<3>;
 

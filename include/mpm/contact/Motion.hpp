@@ -19,7 +19,7 @@ template <int dim>
 class Motion {
  public:
   virtual ~Motion() = default;
-  /// `time` counts from the beginning of the stage, s.
+  /// `time` counts while the body is not held, s.
   virtual BodyVelocity<dim> at(double time) const = 0;
 };
 

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "mpm/contact/Motion.hpp"
-#include "mpm/contact/Surface.hpp"
+#include "mpm/geometry/Shape.hpp"
 #include "mpm/grid/Constraint.hpp"
 #include "mpm/petsc/Session.hpp"
 
@@ -16,6 +16,13 @@ struct BodyForce {
   double moment = 0.0;  ///< N m, anticlockwise about the reference point; 2D only
 };
 
+/// r x f where there is one moment, in the plane; 0 elsewhere.
+template <int dim>
+double moment_of(const Vector<dim>& r, const Vector<dim>& f) {
+  if constexpr (dim == 2) return r[0] * f[1] - r[1] * f[0];
+  return 0.0;
+}
+
 /// Measures what the ground does to a rigid body by the impulses that constraints of the body have
 /// booked, over a time of its own.
 template <int dim>
@@ -25,17 +32,17 @@ class Meter {
   grid::Booking<dim>& booking() { return m_booking; }
   /// The moment of an impulse given to a node at r from the reference point.
   void add_moment(const Vector<dim>& r, const Vector<dim>& impulse) {
-    if constexpr (dim == 2) m_moment_given += r[0] * impulse[1] - r[1] * impulse[0];
+    if constexpr (dim == 2) m_moment_given += moment_of<dim>(r, impulse);
   }
   /// Called after every step with the time over which its forces have acted, s.
   void advance(double momentum_dt) { m_time += momentum_dt; }
 
   /// Mean since the last call; 0 if no time has gone. Collective.
-  BodyForce<dim> take_mean() {
+  BodyForce<dim> take_mean(const petsc::Communicator& ranks = petsc::world()) {
     BodyForce<dim> mean;
     const Vector<dim> given = m_booking.take_impulse();
-    for (int d = 0; d < dim; ++d) mean.force[d] = mean_of(given[d]);
-    mean.moment = mean_of(m_moment_given);
+    for (int d = 0; d < dim; ++d) mean.force[d] = mean_of(given[d], ranks);
+    mean.moment = mean_of(m_moment_given, ranks);
     forget();
     return mean;
   }
@@ -60,8 +67,8 @@ class Meter {
   }
 
  private:
-  double mean_of(double given) const {
-    const double sum = petsc::sum(0.0 - given);
+  double mean_of(double given, const petsc::Communicator& ranks) const {
+    const double sum = ranks.sum(0.0 - given);
     return m_time > 0.0 ? sum / m_time : 0.0;
   }
 
@@ -74,20 +81,21 @@ class Meter {
 template <int dim>
 class RigidBody {
  public:
-  /// Stands still where there is no motion. `surface` is the shape about the reference point.
-  explicit RigidBody(std::shared_ptr<const Surface<dim>> surface, const Vector<dim>& at = {},
+  /// Stands still where there is no motion. `shape` is about the reference point.
+  explicit RigidBody(std::shared_ptr<const geometry::Shape<dim>> shape, const Vector<dim>& at = {},
                      std::shared_ptr<const Motion<dim>> motion = nullptr)
-      : position(at), m_surface(std::move(surface)), m_motion(std::move(motion)) {}
+      : position(at), m_shape(std::move(shape)), m_motion(std::move(motion)) {}
 
   Vector<dim> position;    ///< of the reference point, m
   double angle = 0.0;      ///< turned since the start, rad; 2D only
   Vector<dim> velocity{};  ///< m/s
   double spin = 0.0;       ///< rad/s
 
-  /// Takes the velocity of the motion in the middle of a step that begins at `time`.
-  void begin_step(double time, double dt) {
+  /// Takes the velocity of the motion in the middle of a step.
+  void begin_step(double dt) {
+    m_is_free = true;
     if (!m_motion) return;
-    const BodyVelocity<dim> now = m_motion->at(time + 0.5 * dt);
+    const BodyVelocity<dim> now = m_motion->at(m_time + 0.5 * dt);
     velocity = now.translation;
     spin = now.spin;
   }
@@ -95,18 +103,21 @@ class RigidBody {
   void end_step(double dt, double momentum_dt) {
     for (int d = 0; d < dim; ++d) position[d] += velocity[d] * dt;
     angle += spin * dt;
+    if (m_is_free) m_time += dt;
     m_meter.advance(momentum_dt);
   }
+  /// In place of begin_step: the time of the motion stops too.
   void stand_still() {
+    m_is_free = false;
     velocity = {};
     spin = 0.0;
   }
 
   /// Where x lies relative to the surface.
-  Proximity<dim> locate(const Vector<dim>& x) const {
+  geometry::Proximity<dim> locate(const Vector<dim>& x) const {
     Vector<dim> r = from_reference(x);
-    if (angle == 0.0) return m_surface->locate(r);
-    Proximity<dim> turned = m_surface->locate(rotated(r, -angle));
+    if (angle == 0.0) return m_shape->locate(r);
+    geometry::Proximity<dim> turned = m_shape->locate(rotated(r, -angle));
     turned.normal = rotated(turned.normal, angle);
     return turned;
   }
@@ -130,6 +141,8 @@ class RigidBody {
     archive("angle", angle);
     archive("velocity", velocity);
     archive("spin", spin);
+    archive("time", m_time);
+    archive("is_free", m_is_free);
     archive.group("meter", [&] { m_meter.persist(archive); });
   }
 
@@ -142,8 +155,10 @@ class RigidBody {
     return r;
   }
 
-  std::shared_ptr<const Surface<dim>> m_surface;
+  std::shared_ptr<const geometry::Shape<dim>> m_shape;
   std::shared_ptr<const Motion<dim>> m_motion;
+  double m_time = 0.0;  ///< s, while it was not held
+  bool m_is_free = false;
   Meter<dim> m_meter;
 };
 

@@ -30,9 +30,13 @@ class BodyReaction : public Observer<dim> {
     archive.group("contour", [&] { m_contour.persist(archive); });
   }
 
-  /// Mean force since the last call, N (per metre in plane strain). Collective.
-  Vector<dim> take_by_impulse() { return m_body->meter().take_mean().force; }
-  Vector<dim> take_by_contour() { return m_contour.take_mean(); }
+  /// Means since the last call. Collective.
+  contact::BodyForce<dim> take_by_impulse(const petsc::Communicator& ranks = petsc::world()) {
+    return m_body->meter().take_mean(ranks);
+  }
+  contact::BodyForce<dim> take_by_contour(const petsc::Communicator& ranks = petsc::world()) {
+    return m_contour.take_mean(ranks);
+  }
 
  private:
   std::shared_ptr<contact::RigidBody<dim>> m_body;

@@ -1,0 +1,33 @@
+#include "mpm/geometry/HalfSpace.hpp"
+
+namespace mpm::geometry {
+
+template <int dim>
+Proximity<dim> HalfSpace<dim>::locate(const Vector<dim>& x) const {
+  double distance = 0.0;
+  for (int d = 0; d < dim; ++d) distance += (x[d] - m_point[d]) * m_normal[d];
+  return {distance, m_normal};
+}
+
+template <int dim>
+std::vector<double> HalfSpace<dim>::crossings(const Vector<dim>& x) const {
+  constexpr int up = vertical<dim>;
+  if (m_normal[up] == 0.0) return {};
+  double height = m_point[up];
+  for (int d = 0; d < dim; ++d)
+    if (d != up) height -= (x[d] - m_point[d]) * m_normal[d] / m_normal[up];
+  return {height};
+}
+
+template <int dim>
+std::unique_ptr<Shape<dim>> HalfSpace<dim>::moved(const Vector<dim>& by) const {
+  Vector<dim> point = m_point;
+  for (int d = 0; d < dim; ++d) point[d] += by[d];
+  return std::make_unique<HalfSpace>(m_normal, point);
+}
+
+template class HalfSpace<1>;
+template class HalfSpace<2>;
+template class HalfSpace<3>;
+
+}  // namespace mpm::geometry
