@@ -36,6 +36,7 @@ std::vector<SceneRows> rows_of_scenes() {
     const auto scene = kind.make();
     mpm::options::OptionSet options;
     scene->declare(options);
+    options.open_examples();
     scenes.push_back({std::string(kind.name), std::string(kind.sentence), options.rows()});
     for (Row& row : scenes.back().rows)
       if (row.initial == "out/" + scenes.back().name) row.initial = "out/SCENE";

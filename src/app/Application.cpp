@@ -103,6 +103,7 @@ ExitCode run_scene(const options::CommandLine& line, const Root& root, Clock::ti
   options::OptionSet options;
   scene->declare(options);
   if (line.help) {
+    options.open_examples();
     root.print(fmt::format("-scene {}: {}\n\n{}", kind.name, kind.sentence, options.help()));
     return ExitCode::finished;
   }

@@ -20,6 +20,20 @@ void check(const std::vector<double>& positions) {
                                  k - 1, positions[k - 1], k, positions[k]));
 }
 
+constexpr double growth = 1.05;  // of neighbouring cells
+
+/// Distances from the origin: cells of width h up to `fine`, then growing until `ratio` h, until
+/// `length` is reached; the last line may lie up to a cell beyond.
+std::vector<double> distances(double h, double fine, double ratio, double length) {
+  std::vector<double> lines{0.0};
+  double width = h;
+  while (lines.back() < length - 1e-9 * h) {
+    if (lines.back() > fine - 1e-9 * h) width = std::min(width * growth, ratio * h);
+    lines.push_back(lines.back() + width);
+  }
+  return lines;
+}
+
 }  // namespace
 
 KnotLines::KnotLines(std::vector<double> positions) : m_positions(std::move(positions)) {
@@ -47,6 +61,16 @@ KnotLines KnotLines::uniform(double begin, double end, int cells) {
   for (int k = 0; k <= cells; ++k)
     positions[static_cast<std::size_t>(k)] = begin + (end - begin) * k / cells;
   return KnotLines(std::move(positions));
+}
+
+KnotLines KnotLines::graded(const Graded& wanted) {
+  const auto& [begin, end, fine_begin, fine_end, origin, cell, ratio] = wanted;
+  const auto down = distances(cell, origin - fine_begin, ratio, origin - begin);
+  const auto up = distances(cell, fine_end - origin, ratio, end - origin);
+  std::vector<double> lines;
+  for (auto line = down.rbegin(); line != down.rend(); ++line) lines.push_back(origin - *line);
+  for (auto line = up.begin() + 1; line != up.end(); ++line) lines.push_back(origin + *line);
+  return KnotLines(std::move(lines));
 }
 
 }  // namespace mpm::basis

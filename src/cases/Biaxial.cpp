@@ -98,8 +98,9 @@ void Biaxial::watch_points() {
                                m_test.points.size()));
   m_points.clear();
   for (std::size_t k = 0; k < 4; k += 2)
-    m_points.push_back(std::make_shared<run::WatchedParticle<2>>(
-        Vector<2>{m_test.points[k], m_test.points[k + 1]}));
+    m_points.push_back(
+        std::make_shared<run::WatchedParticle<2>>(Vector<2>{m_test.points[k], m_test.points[k + 1]},
+                                                  std::vector<std::string>{"void_ratio", "eps_q"}));
 }
 
 std::shared_ptr<grid::Constraint<2>> Biaxial::make_contact(
@@ -153,8 +154,8 @@ std::vector<double> Biaxial::row(const Now& now) {
                           m_reaction->take_by_impulse().force[1] / m_test.width,
                           m_reaction->take_by_contour().force[1] / m_test.width};
   for (const auto& point : m_points) {
-    const std::vector<double> values = point->observe(now.simulation.particles());
-    row.insert(row.end(), values.begin(), values.end());
+    const run::Watched<2> seen = point->observe(now.simulation.particles());
+    row.insert(row.end(), {seen.q, seen.p, seen.volumetric_strain, seen.states[0], seen.states[1]});
   }
   row.push_back(now.simulation.kinetic_energy());
   return row;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mpm/core/Errors.hpp"
+#include "mpm/particles/SurfacePieces.hpp"
 
 namespace mpm::cases {
 
@@ -94,17 +95,15 @@ solver::SimulationSetup<2> BiaxialOptions::setup() const {
   return setup;
 }
 
-/// A piece of surface beside each particle of the two sides.
+/// Both sides.
 std::vector<particles::SurfacePiece<2>> BiaxialOptions::sides() const {
-  const double spacing = cell_size / static_cast<double>(run.particles_per_cell_direction);
-  const auto rows = static_cast<int>(std::round(height / spacing));
+  const solver::SimulationSetup<2> specimen = setup();
   std::vector<particles::SurfacePiece<2>> pieces;
-  for (const double side : {-1.0, 1.0})
-    for (int j = 0; j < rows; ++j)
-      pieces.push_back({.anchor = {side * 0.5 * (width - spacing), (j + 0.5) * spacing},
-                        .offset = {side * 0.5 * spacing, 0.0},
-                        .area = {side * spacing, 0.0},
-                        .pressure = confining_pressure});
+  for (const particles::Side side : {0, 1})
+    for (const auto& piece : particles::surface_pieces<2>(
+             specimen.lines, specimen.filling, side,
+             [pressure = confining_pressure](const Vector<2>&) { return pressure; }))
+      pieces.push_back(piece);
   return pieces;
 }
 

@@ -5,6 +5,7 @@
 namespace mpm::cases {
 
 std::unique_ptr<Case> make_pipe();
+std::unique_ptr<Case> make_custom();
 std::unique_ptr<Case> make_material_point();
 std::unique_ptr<Case> make_triaxial();
 std::unique_ptr<Case> make_biaxial();
@@ -29,6 +30,8 @@ namespace {
 
 constexpr std::array kinds{
     CaseKind{"pipe", "a rigid pipe pushed down into sand, plane strain: the main job", &make_pipe},
+    CaseKind{"custom", "ground, rigid bodies, loads and stages put together by options",
+             &make_custom},
     CaseKind{"material_point", "element tests of a law, without a grid", &make_material_point},
     CaseKind{"triaxial", "the paper's triaxial element tests in three dimensions", &make_triaxial},
     CaseKind{"biaxial", "plane-strain compression of sand under a rough plate", &make_biaxial},

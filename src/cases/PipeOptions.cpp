@@ -11,23 +11,10 @@
 namespace mpm::cases {
 namespace {
 
-constexpr double growth = 1.05;           // of neighbouring cells in the far field
 constexpr double largest_grid = 1e9;      // cells
 constexpr double fine_beside_pipe = 3.0;  // D from the axis
 constexpr double fine_below_end = 2.0;    // D below the invert's last position
 constexpr double air_above = 1.5;         // D, room for heave
-
-/// Line positions from 0 on: cells of width h up to `fine`, then growing until `ratio` h, until
-/// `length` is reached; the last line may lie up to a cell beyond.
-std::vector<double> lines_from_zero(double h, double fine, double ratio, double length) {
-  std::vector<double> lines{0.0};
-  double width = h;
-  while (lines.back() < length - 1e-9 * h) {
-    if (lines.back() > fine - 1e-9 * h) width = std::min(width * growth, ratio * h);
-    lines.push_back(lines.back() + width);
-  }
-  return lines;
-}
 
 }  // namespace
 
@@ -132,24 +119,27 @@ double PipeOptions::density() const {
 }
 
 basis::KnotLines PipeOptions::horizontal_lines() const {
-  const std::vector<double> right =
-      lines_from_zero(cell(), fine_beside_pipe * diameter, far_cell_ratio, domain_width * diameter);
-  if (is_half()) return basis::KnotLines(right);
-  std::vector<double> lines;
-  for (auto line = right.rbegin(); line != right.rend(); ++line) lines.push_back(-*line);
-  lines.insert(lines.end(), right.begin() + 1, right.end());
-  return basis::KnotLines(std::move(lines));
+  const double width = domain_width * diameter, fine = fine_beside_pipe * diameter;
+  return basis::KnotLines::graded({.begin = is_half() ? 0.0 : -width,
+                                   .end = width,
+                                   .fine_begin = -fine,
+                                   .fine_end = fine,
+                                   .origin = 0.0,
+                                   .cell = cell(),
+                                   .ratio = far_cell_ratio});
 }
 
 basis::KnotLines PipeOptions::vertical_lines() const {
-  const double fine = depth() + radius() + (end_displacement + fine_below_end) * diameter;
-  const std::vector<double> down = lines_from_zero(
-      cell(), fine, far_cell_ratio, depth() + radius() + domain_depth_below * diameter);
-  const std::vector<double> up = lines_from_zero(cell(), 1e9, 1.0, air_above * diameter);
-  std::vector<double> lines;
-  for (auto line = down.rbegin(); line != down.rend(); ++line) lines.push_back(-*line);
-  lines.insert(lines.end(), up.begin() + 1, up.end());
-  return basis::KnotLines(std::move(lines));
+  const double invert = depth() + radius();
+  const double air = air_above * diameter;
+  return basis::KnotLines::graded(
+      {.begin = -(invert + domain_depth_below * diameter),
+       .end = air,
+       .fine_begin = -(invert + (end_displacement + fine_below_end) * diameter),
+       .fine_end = air,
+       .origin = 0.0,
+       .cell = cell(),
+       .ratio = far_cell_ratio});
 }
 
 particles::Filling<2> PipeOptions::filling(bool graded) const {

@@ -36,6 +36,14 @@ constexpr std::array balance_answers{
     Answer{"ledger_*", "", "mass, momentum by cause and energy by cause: see docs/ledger.md"},
 };
 
+constexpr std::array body_answers{
+    Answer{"body_*_way_m", "m", "how far the rigid body of this name is from where it began"},
+    Answer{
+        "body_*_largest_force_*", "",
+        "largest force of the ground on it in a row of history.csv, N (per metre in plane strain)"},
+    Answer{"body_*", "", "the columns of its last row of history.csv: see docs/custom.md"},
+};
+
 constexpr std::array stress_answers{
     Answer{
         "error_stress_mean", "1",
@@ -200,6 +208,7 @@ constexpr std::array groups{
     AnswerGroup{"Pipe", pipe_answers},
     AnswerGroup{"Biaxial test", biaxial_answers},
     AnswerGroup{"Sand: element tests, reversal, collapse", sand_answers},
+    AnswerGroup{"Rigid bodies of -scene custom", body_answers},
     AnswerGroup{"Stress and displacement against exact solutions", stress_answers},
     AnswerGroup{"Energy and motion against exact solutions", energy_answers},
     AnswerGroup{"Contact and bearing capacity against exact solutions", contact_answers},

@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <optional>
 #include <sstream>
 #include <string_view>
 
 #include "mpm/core/Errors.hpp"
+#include "mpm/options/InputFile.hpp"
 #include "mpm/options/Nearest.hpp"
 #include "mpm/options/Range.hpp"
 
@@ -21,7 +20,6 @@ constexpr int size = SymmetricTensor::size;
 constexpr std::int64_t most_increments = 10'000'000;
 constexpr double largest_strain = 5.0;
 constexpr double largest_stress = 1e12;  // Pa
-constexpr std::uintmax_t largest_file = 1 << 24;
 constexpr int increments_column = -1;
 
 /// What a column holds: a component under one control, in the units and the sign of the file.
@@ -198,25 +196,11 @@ class PathReader {
 }  // namespace
 
 std::vector<PathLeg> read_path(const std::string& text, const std::string& name) {
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets write it
-  const std::size_t start = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
-  return PathReader(name).read(text.substr(start));
+  return PathReader(name).read(text);
 }
 
 std::vector<PathLeg> read_path_file(const std::string& path) {
-  std::error_code error;
-  const char* const remedy = "allowed: a CSV file, its path relative to the working directory";
-  if (!std::filesystem::is_regular_file(path, error))
-    throw BadInput(fmt::format("-path_file {} is not a file; {}", path, remedy));
-  if (std::filesystem::file_size(path, error) > largest_file)
-    throw BadInput(fmt::format("-path_file {} is larger than 16 MB; {}", path, remedy));
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) throw BadInput(fmt::format("-path_file {} cannot be read; {}", path, remedy));
-  if (text.str().find('\0') != std::string::npos)
-    throw BadInput(fmt::format("-path_file {} is not a text file; {}", path, remedy));
-  return read_path(text.str(), path);
+  return read_path(options::read_input_file("path_file", path), path);
 }
 
 }  // namespace mpm::material

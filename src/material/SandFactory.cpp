@@ -17,6 +17,7 @@ using options::positive;
 
 void SandFactory::declare(options::OptionSet& set) {
   m_options = &set;
+  m_prefix = set.prefix();
   set.section("Sand");
   declare_name(set);
   declare_packing(set);
@@ -158,28 +159,28 @@ void SandFactory::declare_numerics(options::OptionSet& set) {
 void SandFactory::check_together() {
   set_packing();
   const auto without_effect = [&](const char* name, bool has_effect, const char* with) {
-    if (has_effect || !m_options->is_changed(name)) return;
-    throw options::bad_input({m_options->given(name), "has no effect here",
-                              std::string("with -sand_bulk ") + with,
-                              std::string("leave it out or add -sand_bulk ") + with});
+    if (has_effect || !m_options->is_changed(m_prefix + name)) return;
+    const std::string remedy = fmt::format("-{}sand_bulk {}", m_prefix, with);
+    throw options::bad_input({m_options->given(m_prefix + name), "has no effect here",
+                              "with " + remedy, "leave it out or add " + remedy});
   };
   without_effect("sand_kappa", m_sand.bulk != BulkModulus::poisson, "log or power");
   without_effect("sand_bulk_xi", m_sand.bulk == BulkModulus::power, "power");
   without_effect("sand_poisson", m_sand.bulk == BulkModulus::poisson, "poisson");
-  validate(m_sand);
+  validate(m_sand, m_prefix);
 }
 
 /// The void ratio from the relative density where that is given; the command line's word counts
 /// where a file has the other one.
 void SandFactory::set_packing() {
   if (!m_relative_density) return;
-  const options::Given density = m_options->given("sand_relative_density");
-  const options::Given void_ratio = m_options->given("sand_void_ratio");
-  const bool both = m_options->is_given("sand_void_ratio");
+  const options::Given density = m_options->given(m_prefix + "sand_relative_density");
+  const options::Given void_ratio = m_options->given(m_prefix + "sand_void_ratio");
+  const bool both = m_options->is_given(void_ratio.name);
   if (both && density.is_from_command_line() == void_ratio.is_from_command_line())
-    throw options::bad_input({density,
-                              fmt::format("is given beside -sand_void_ratio {}", void_ratio.value),
-                              "one of the two", "leave one of them out"});
+    throw options::bad_input(
+        {density, fmt::format("is given beside -{} {}", void_ratio.name, void_ratio.value),
+         "one of the two", "leave one of them out"});
   if (!both || density.is_from_command_line())
     m_sand.void_ratio = void_ratio_at(*m_relative_density, m_sand);
   m_relative_density.reset();  // the void ratio says it from here on

@@ -32,27 +32,29 @@ void require(bool holds, const std::string& message) {
 }
 
 /// Eq. 12 is solved for q by dividing by 1 - f B, which must stay positive at every Lode angle.
-void require_solvable(const SandParameters& sand) {
+void require_solvable(const SandParameters& sand, const std::string& prefix) {
   if (sand.softening == Softening::explicit_ratio) return;
   const double largest_f = sand.softening == Softening::plain ? std::exp(-1.0) : 1.0;
   const bool lode = sand.dilatancy == Dilatancy::lode;
   const double limit = (lode ? 1.0 : sand.c) * sand.Mc / largest_f;
   require(sand.d0 < limit,
-          fmt::format("-sand_d0 {}: must be below {:.4g} ({}-sand_Mc over the largest f), or the "
-                      "stress-strain relation has no solution for q; lower -sand_d0",
-                      sand.d0, limit, lode ? "" : "-sand_c times "));
+          fmt::format("-{0}sand_d0 {1}: must be below {2:.4g} ({3}sand_Mc over the largest f), or "
+                      "the stress-strain relation has no solution for q; lower -{0}sand_d0",
+                      prefix, sand.d0, limit, lode ? "" : "sand_c times "));
 }
 
 }  // namespace
 
-void validate(const SandParameters& sand) {
-  require_solvable(sand);
+void validate(const SandParameters& sand, const std::string& prefix) {
+  require_solvable(sand, prefix);
   require(sand.e_min < sand.e_max,
-          fmt::format("-sand_e_min {}: must be below -sand_e_max {}", sand.e_min, sand.e_max));
-  require(sand.void_ratio < 2.973,
-          fmt::format("-sand_void_ratio {}: must be below 2.973, where the shear modulus of Eq. 15 "
-                      "vanishes",
-                      sand.void_ratio));
+          fmt::format("-{0}sand_e_min {1}: must be below -{0}sand_e_max {2}", prefix, sand.e_min,
+                      sand.e_max));
+  require(
+      sand.void_ratio < 2.973,
+      fmt::format("-{}sand_void_ratio {}: must be below 2.973, where the shear modulus of Eq. 15 "
+                  "vanishes",
+                  prefix, sand.void_ratio));
 }
 
 }  // namespace mpm::material

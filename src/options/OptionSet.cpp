@@ -32,6 +32,38 @@ std::string read_text(std::string_view text, std::string& value) {
   return {};
 }
 
+/// Splits at commas; returns what is wrong with an entry, empty if nothing.
+std::string read_words(std::string_view text, std::vector<std::string>& words) {
+  std::vector<std::string> all;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', start), text.size());
+    if (comma == start) return "has an empty entry";
+    const std::string fault = read_text(text.substr(start, comma - start), all.emplace_back());
+    if (!fault.empty()) return fault;
+    start = comma + 1;
+  }
+  words = std::move(all);
+  return {};
+}
+
+bool is_name(std::string_view word) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return is_letter(word.front()) &&
+         std::ranges::all_of(word, [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); });
+}
+
+std::string read_names(std::string_view text, std::vector<std::string>& names) {
+  std::vector<std::string> all;
+  const std::string fault = read_words(text, all);
+  if (!fault.empty()) return fault;
+  for (const std::string& name : all) {
+    if (!is_name(name)) return fmt::format("has an entry '{}' that is no name", name);
+    if (std::ranges::count(all, name) > 1) return fmt::format("has '{}' twice", name);
+  }
+  names = std::move(all);
+  return {};
+}
+
 std::string read_flag(std::string_view text, bool& value) {
   if (text != "true" && text != "false") return "is neither true nor false";
   value = text == "true";
@@ -85,6 +117,42 @@ void OptionSet::real_list(std::string name, std::vector<double>& value, RealRang
        .about = std::move(about),
        .read = [allowed, &value](auto text) { return options::read(text, allowed, value); },
        .present = [&value] { return fmt::format("{}", fmt::join(value, ",")); }});
+}
+
+void OptionSet::text_list(std::string name, std::vector<std::string>& value, About about) {
+  add({.name = std::move(name),
+       .allowed = "words separated by commas",
+       .about = std::move(about),
+       .read = [&value](auto text) { return read_words(text, value); },
+       .present = [&value] { return fmt::format("{}", fmt::join(value, ",")); }});
+}
+
+void OptionSet::names(std::string name, std::vector<std::string>& value, About about) {
+  add({.name = std::move(name),
+       .allowed = "names of letters and digits separated by commas, each once",
+       .about = std::move(about),
+       .read = [&value](auto text) { return read_names(text, value); },
+       .present = [&value] { return fmt::format("{}", fmt::join(value, ",")); }});
+}
+
+void OptionSet::opens(std::function<void()> declare, std::function<void()> example) {
+  const auto as_now = [this, prefix = m_prefix](std::function<void()> inside) {
+    return [this, prefix, inside = std::move(inside)] { prefixed(prefix, inside); };
+  };
+  m_options.back().open = as_now(std::move(declare));
+  m_options.back().open_example = as_now(std::move(example));
+}
+
+void OptionSet::open_examples() {
+  for (std::size_t k = 0; k < m_options.size(); ++k)  // what is opened may open more
+    if (const auto open = m_options[k].open_example) open();
+}
+
+void OptionSet::prefixed(const std::string& prefix, const std::function<void()>& declare) {
+  const std::string before = m_prefix;
+  m_prefix += prefix;
+  declare();
+  m_prefix = before;
 }
 
 void OptionSet::optional_real(std::string name, std::optional<double>& value, RealRange allowed,
@@ -145,6 +213,7 @@ std::string OptionSet::initial_of(const Option& option) {
 }
 
 void OptionSet::add(Option option) {
+  option.name = m_prefix + option.name;
   const auto refuse_declaration = [&option](std::string_view why) {
     throw std::logic_error(fmt::format("option -{}: {}", option.name, why));
   };
@@ -162,11 +231,22 @@ void OptionSet::add(Option option) {
 }
 
 void OptionSet::assign(std::span<const Given> given) {
+  assign_openers(given);
   assign_presets(given);
   for (const Given& one : given)
     if (Option& option = known(one); !option.is_preset) set(option, one);
   check_required();
   for (const auto& check : m_rules) check();
+}
+
+void OptionSet::assign_openers(std::span<const Given> given) {
+  for (std::size_t k = 0; k < m_options.size(); ++k) {  // what is opened may open more
+    const auto open = m_options[k].open;
+    if (!open) continue;
+    for (const Given& one : given)
+      if (one.name == m_options[k].name) set(m_options[k], one);
+    open();
+  }
 }
 
 /// The last word given of each; what it sets becomes the default of the other options.

@@ -10,7 +10,7 @@ template <int dim>
 void WatchedParticle<dim>::begin(const Moment<dim>& moment) {
   const particles::Particles<dim>& particles = moment.simulation.particles();
   find(particles);
-  for (const char* needed : {"void_ratio", "eps_q"}) particles.state(m_material, needed);
+  for (const std::string& needed : m_states) particles.state(m_material, needed);
 }
 
 template <int dim>
@@ -37,23 +37,42 @@ void WatchedParticle<dim>::find(const particles::Particles<dim>& particles) {
   m_material = ranks.maximum(chosen ? static_cast<int>(view.material[found]) : 0);
 }
 
+/// All that observe() gives, in its order.
 template <int dim>
-std::vector<double> WatchedParticle<dim>::observe(
-    const particles::Particles<dim>& particles) const {
-  std::vector<double> values(5, 0.0);
+std::vector<double> WatchedParticle<dim>::look_at(const particles::Particles<dim>& particles,
+                                                  const particles::ParticleView<dim>& view,
+                                                  int p) const {
+  std::vector<double> values;
+  for (int d = 0; d < dim; ++d) values.push_back(view.position[d][p]);
+  for (int d = 0; d < dim; ++d) values.push_back(view.displacement[d][p]);
+  const SymmetricTensor stress = view.stress_of(p);
+  values.insert(values.end(),
+                {std::sqrt(1.5) * norm(deviator(stress)), -trace(stress) / 3.0,
+                 -std::log(view.volume[p] / m_initial_volume), view.deviatoric_strain[p]});
+  for (const std::string& state : m_states)
+    values.push_back(view[particles.state(m_material, state)][p]);
+  return values;
+}
+
+template <int dim>
+Watched<dim> WatchedParticle<dim>::observe(const particles::Particles<dim>& particles) const {
+  std::vector<double> values(2 * dim + 4 + m_states.size(), 0.0);
   {
     const auto view = particles.view();
     const auto p = std::find(view.id, view.id + view.count, m_id) - view.id;
-    if (p < view.count) {
-      const SymmetricTensor stress = view.stress_of(static_cast<int>(p));
-      values = {std::sqrt(1.5) * norm(deviator(stress)), -trace(stress) / 3.0,
-                -std::log(view.volume[p] / m_initial_volume),
-                view[particles.state(m_material, "void_ratio")][p],
-                view[particles.state(m_material, "eps_q")][p]};
-    }
+    if (p < view.count) values = look_at(particles, view, static_cast<int>(p));
   }
-  for (double& value : values) value = particles.communicator().sum(value);
-  return values;
+  particles.communicator().sum(values);  // of one value and zeros
+  Watched<dim> seen{.q = values[2 * dim],
+                    .p = values[2 * dim + 1],
+                    .volumetric_strain = values[2 * dim + 2],
+                    .deviatoric_strain = values[2 * dim + 3],
+                    .states = {values.begin() + 2 * dim + 4, values.end()}};
+  for (std::size_t d = 0; d < dim; ++d) {
+    seen.position[d] = values[d];
+    seen.displacement[d] = values[dim + d];
+  }
+  return seen;
 }
 
 template <int dim>
@@ -63,6 +82,7 @@ void WatchedParticle<dim>::persist(Archive& archive) {
   archive("material", m_material);
 }
 
+template class WatchedParticle<1>;
 template class WatchedParticle<2>;
 template class WatchedParticle<3>;
 

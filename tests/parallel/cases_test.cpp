@@ -31,7 +31,7 @@ TEST(WatchedParticle, reads_the_state_of_its_own_law_in_either_order_of_the_laws
     const SymmetricTensor stress{{-4e3, -7e3, -5e3, 1.5e3, 0.0, 0.0}};
     test::set_stress(simulation, stress);
     const auto& particles = simulation.particles();
-    run::WatchedParticle<2> watched({0.31, 0.77});
+    run::WatchedParticle<2> watched({0.31, 0.77}, {"void_ratio", "eps_q"});
     const run::Clock clock;
     watched.begin({simulation, clock});
     {
@@ -42,20 +42,22 @@ TEST(WatchedParticle, reads_the_state_of_its_own_law_in_either_order_of_the_laws
         view[eps_q][p] = view.position[0][p] < interface ? 10.0 * view.position[0][p] : -1.0;
       }
     }
-    const std::vector<double> values = watched.observe(particles);
-    ASSERT_EQ(values.size(), 5u);
-    EXPECT_NEAR(values[0], std::sqrt(7e6 + 3 * 1.5e3 * 1.5e3), 1e-6);
-    EXPECT_NEAR(values[1], 16e3 / 3.0, 1e-8);
-    EXPECT_NEAR(values[2], -std::log(0.9), 1e-14);
-    EXPECT_EQ(values[3], material::SandParameters{}.void_ratio);
-    EXPECT_NEAR(values[4], 3.25, 1e-12);  // the particle at x = 0.325
+    const run::Watched<2> seen = watched.observe(particles);
+    EXPECT_NEAR(seen.position[0], 0.325, 1e-12);
+    EXPECT_NEAR(seen.q, std::sqrt(7e6 + 3 * 1.5e3 * 1.5e3), 1e-6);
+    EXPECT_NEAR(seen.p, 16e3 / 3.0, 1e-8);
+    EXPECT_NEAR(seen.volumetric_strain, -std::log(0.9), 1e-14);
+    ASSERT_EQ(seen.states.size(), 2u);
+    EXPECT_EQ(seen.states[0], material::SandParameters{}.void_ratio);
+    EXPECT_NEAR(seen.states[1], 3.25, 1e-12);  // the particle at x = 0.325
   }
 }
 
-TEST(WatchedParticle, of_a_law_without_void_ratio_is_refused) {
+TEST(WatchedParticle, of_a_law_without_the_state_that_is_asked_for_is_refused) {
   auto simulation = sand_and_block(true);
   const run::Clock clock;
-  EXPECT_THROW(run::WatchedParticle<2>({0.9, 0.4}).begin({simulation, clock}), BadInput);
+  EXPECT_THROW(run::WatchedParticle<2>({0.9, 0.4}, {"void_ratio"}).begin({simulation, clock}),
+               BadInput);
 }
 
 }  // namespace

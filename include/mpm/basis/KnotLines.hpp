@@ -14,6 +14,18 @@ class KnotLines {
   /// n equal cells from `begin` to `end`.
   static KnotLines uniform(double begin, double end, int cells);
 
+  /// Cells of the width `cell` within [fine_begin, fine_end], from there to both sides each 5 %
+  /// wider than the one before, up to `ratio` times `cell`. They are laid from `origin` to both
+  /// sides; the last lines may lie beyond `begin` and `end` by less than a cell.
+  struct Graded {
+    double begin, end;
+    double fine_begin, fine_end;
+    double origin;  ///< within the fine part
+    double cell;
+    double ratio = 1.0;
+  };
+  static KnotLines graded(const Graded& wanted);
+
   int cells() const { return static_cast<int>(m_positions.size()) - 1; }
   double begin() const { return m_positions.front(); }
   double end() const { return m_positions.back(); }

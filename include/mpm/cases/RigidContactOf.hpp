@@ -15,10 +15,11 @@ inline std::shared_ptr<contact::RigidBody<2>> ground(double height) {
 }
 
 /// Contact of all particles of a simulation, which must outlive it, with a rigid body. Collective.
-inline std::shared_ptr<contact::RigidContact<2>> contact_of(
-    const solver::Simulation<2>& simulation, const std::shared_ptr<contact::RigidBody<2>>& body,
+template <int dim>
+std::shared_ptr<contact::RigidContact<dim>> contact_of(
+    const solver::Simulation<dim>& simulation, const std::shared_ptr<contact::RigidBody<dim>>& body,
     const contact::ContactOptions& options) {
-  auto contact = std::make_shared<contact::RigidContact<2>>(
+  auto contact = std::make_shared<contact::RigidContact<dim>>(
       simulation.grid(), simulation.walls(), simulation.step().point_deposit(), body, options);
   contact->watch(simulation.particles());
   return contact;

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "mpm/contact/Friction.hpp"
@@ -35,6 +36,7 @@ struct ContactOptions {
   std::size_t friction_law = 0;    ///< row of friction_kinds()
   double reference_density = 1.0;  ///< of the deformable body, kg/m^3: nodes with less than 1e-9
                                    ///< of a full cell's mass take no part
+  std::string label = "contact";   ///< in the ledger
 };
 
 /// Frictional contact with a rigid body on grid nodes (Bardenhagen et al. 2000; Zhang, Chen & Liu
@@ -60,7 +62,7 @@ class RigidContact : public grid::Constraint<dim> {
   void find_nodes() override;
   void constrain(const grid::Grid<dim>& grid, grid::ConstrainedNodes<dim>& nodes) override;
   bool spares_from_damping() const override { return true; }
-  std::string label() const override { return "contact"; }
+  std::string label() const override { return m_options.label; }
   grid::Booking<dim>& booking() override { return m_body->meter().booking(); }
 
  private:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "mpm/material/Material.hpp"
 #include "mpm/material/NamedSands.hpp"
@@ -33,6 +34,7 @@ class SandFactory : public MaterialFactory {
   void set_packing();
 
   const options::OptionSet* m_options = nullptr;
+  std::string m_prefix;  ///< of its options
   SandParameters m_sand;
   std::optional<double> m_relative_density;
 };

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include <optional>
 
 namespace mpm::material {
@@ -79,7 +81,8 @@ double relative_density(const SandParameters& sand);
 /// e0 of a relative density.
 double void_ratio_at(double relative_density, const SandConstants& sand);
 
-/// Throws BadInput on combinations that make no sense together.
-void validate(const SandParameters& sand);
+/// Throws BadInput on combinations that make no sense together, which names them with the prefix
+/// of their options.
+void validate(const SandParameters& sand, const std::string& prefix = {});
 
 }  // namespace mpm::material

@@ -56,6 +56,22 @@ class OptionSet {
   void choice(std::string name, Enum& value, std::vector<std::pair<std::string, Enum>> alternatives,
               About about);
 
+  /// Words separated by commas.
+  void text_list(std::string name, std::vector<std::string>& value, About about);
+  /// Words that name things, each once: letters and digits, a letter first.
+  void names(std::string name, std::vector<std::string>& value, About about);
+
+  /// The option declared last says which further options there are: `declare` declares them once
+  /// its value is known, before any other option is read; `example` declares what pages show of
+  /// them.
+  void opens(std::function<void()> declare, std::function<void()> example);
+  /// Declares the examples, for pages; the set is good for nothing else afterwards.
+  void open_examples();
+  /// The names that `declare` declares begin with this.
+  void prefixed(const std::string& prefix, const std::function<void()>& declare);
+  /// What the names of the next declarations begin with.
+  const std::string& prefix() const { return m_prefix; }
+
   /// A choice that stands for values of other options: `apply(k)` sets them to those of word k. It
   /// comes before all options that are given singly, in whatever order, so that these override it.
   /// Declare it before them: word 0 is applied at once, and what it sets is their default.
@@ -99,6 +115,7 @@ class OptionSet {
     std::string initial = {};  ///< the default for readers
     std::string origin = {};   ///< empty unless given
     bool is_preset = false;
+    std::function<void()> open = {}, open_example = {};  ///< declare further options
   };
   void add(Option option);
   template <class Number>
@@ -110,6 +127,7 @@ class OptionSet {
   const Option& declared(std::string_view name) const;
   Option& known(const Given& given);
   static void set(Option& option, const Given& given);
+  void assign_openers(std::span<const Given> given);
   void assign_presets(std::span<const Given> given);
   void check_required() const;
   static std::string initial_of(const Option& option);
@@ -122,6 +140,7 @@ class OptionSet {
                          const std::function<std::string(const Option&)>& entry) const;
 
   std::string m_section = "General";
+  std::string m_prefix;
   std::vector<Option> m_options;
   std::vector<std::function<void()>> m_rules;
 };

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <cmath>
 #include <functional>
+#include <memory>
+#include <utility>
 
+#include "mpm/contact/RigidBody.hpp"
 #include "mpm/run/Stage.hpp"
 
 namespace mpm::run {
@@ -42,6 +46,28 @@ class When : public Ending<dim> {
 
  private:
   Share m_share;
+};
+
+/// When a rigid body is so far from where it was when the stage began, m.
+template <int dim>
+class AfterWay : public Ending<dim> {
+ public:
+  AfterWay(std::shared_ptr<const contact::RigidBody<dim>> body, double distance)
+      : m_body(std::move(body)), m_distance(distance) {}
+
+  void begin(const Moment<dim>&) override { m_start = m_body->position; }
+  double share_done(const Moment<dim>&) const override {
+    double square = 0.0;
+    for (int d = 0; d < dim; ++d)
+      square += (m_body->position[d] - m_start[d]) * (m_body->position[d] - m_start[d]);
+    return std::sqrt(square) / m_distance + 1e-9;
+  }
+  void persist(Archive& archive) override { archive("start", m_start); }
+
+ private:
+  std::shared_ptr<const contact::RigidBody<dim>> m_body;
+  double m_distance;
+  Vector<dim> m_start{};
 };
 
 /// How a body comes to rest under local damping.

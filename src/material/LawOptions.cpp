@@ -1,0 +1,23 @@
+#include "mpm/material/LawOptions.hpp"
+
+#include "mpm/options/OptionSet.hpp"
+
+namespace mpm::material {
+
+LawOptions::LawOptions() {
+  for (const MaterialKind& kind : material_kinds()) m_factories.push_back(kind.make_factory());
+}
+
+void LawOptions::declare(options::OptionSet& set) {
+  std::vector<std::pair<std::string, std::size_t>> laws;
+  for (const MaterialKind& kind : material_kinds())
+    laws.emplace_back(std::string(kind.name), laws.size());
+  set.choice("material", m_law, laws,
+             {"",
+              "law of the table; its constants follow with the same prefix, named as in -scene "
+              "material_point",
+              "docs/model.md"});
+  set.opens([this, &set] { m_factories[m_law]->declare(set); }, [] {});
+}
+
+}  // namespace mpm::material
