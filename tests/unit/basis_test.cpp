@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <cmath>
 #include <functional>
 #include <numeric>
@@ -252,6 +254,27 @@ TEST(KnotLines, lines_that_do_not_increase_are_refused) {
   EXPECT_THROW(KnotLines({0.0, 1.0, 1.0}), BadInput);
   EXPECT_THROW(KnotLines({0.0}), BadInput);
   EXPECT_THROW(BSpline<3>(KnotLines::uniform(0, 1, 2), EndTreatment::mirror), BadInput);
+}
+
+TEST(KnotLines, graded_ones_are_fine_where_wanted_and_grow_beyond) {
+  const KnotLines lines = KnotLines::graded({.begin = -2.3,
+                                             .end = 1.7,
+                                             .fine_begin = -0.4,
+                                             .fine_end = 0.3,
+                                             .origin = 0.0,
+                                             .cell = 0.1,
+                                             .ratio = 2.5});
+  EXPECT_LE(lines.begin(), -2.3);
+  EXPECT_GE(lines.end(), 1.7);
+  EXPECT_NE(std::ranges::find(lines.positions(), 0.0), lines.positions().end());
+  for (int k = 0; k + 1 < lines.cells(); ++k) {
+    const double ratio = lines.width(k + 1) / lines.width(k);
+    EXPECT_LE(std::max(ratio, 1.0 / ratio), 1.05 + 1e-12);
+    EXPECT_LE(lines.width(k), 0.25 + 1e-12);
+    const double middle = 0.5 * (lines.line(k) + lines.line(k + 1));
+    if (middle > -0.4 && middle < 0.3) EXPECT_NEAR(lines.width(k), 0.1, 1e-12);
+  }
+  EXPECT_GT(lines.width(0), 0.2);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -696,6 +697,88 @@ TEST_F(OptionsFile, foreign_files_are_refused_in_one_line) {
   }
   EXPECT_TRUE(says(refusal_of_text("{\"scene\": \"pipe\"}\n"), {"does not start an option"}));
   EXPECT_TRUE(says(refusal_of_text(std::string(2 << 20, '#')), {"larger than 1 MiB"}));
+}
+
+/// Pumps named in a list, each with a power and a drive that has options of its own.
+struct Pumps {
+  struct Pump {
+    double power = 1.5;
+    bool is_electric = false;
+    double voltage = 230.0;
+  };
+  std::vector<std::string> names;
+  std::map<std::string, Pump> pumps;
+  OptionSet options;
+
+  Pumps() {
+    options.names("pumps", names, {"", "What pumps there are.", "chosen"});
+    options.opens([this] { for (const auto& name : names) declare(name); },
+                  [this] { declare("NAME"); });
+  }
+  void declare(const std::string& name) {
+    options.prefixed("pump_" + name + "_", [&] {
+      Pump& pump = pumps[name];
+      options.real("power", pump.power, positive(), {"W", "Power.", "chosen"});
+      options.choice("drive", pump.is_electric, {{"diesel", false}, {"electric", true}},
+                     {"", "Drive.", "chosen"});
+      const auto declare_voltage = [this, &pump] {
+        options.real("voltage", pump.voltage, positive(), {"V", "Voltage.", "chosen"});
+      };
+      options.opens([&pump, declare_voltage] { if (pump.is_electric) declare_voltage(); },
+                    declare_voltage);
+    });
+  }
+};
+
+TEST(OptionSet, what_a_list_names_has_options_of_its_own) {
+  Pumps set;
+  const std::vector<Given> given{{"pump_b_power", "7.5", "here"},
+                                 {"pump_b_voltage", "400", "here"},
+                                 {"pump_b_drive", "electric", "here"},
+                                 {"pumps", "a,b", "here"}};
+  set.options.assign(given);
+  EXPECT_EQ(set.names, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(set.pumps["a"].power, 1.5);
+  EXPECT_EQ(set.pumps["b"].power, 7.5);
+  EXPECT_EQ(set.pumps["b"].voltage, 400.0);
+}
+
+TEST(OptionSet, options_that_nothing_opened_are_unknown) {
+  for (const Given& wrong : {Given{"pump_c_power", "7.5", "here"},
+                             Given{"pump_a_voltage", "400", "here"}}) {
+    Pumps set;
+    const std::vector<Given> given{{"pumps", "a", "here"}, wrong};
+    EXPECT_THROW(set.options.assign(given), BadInput);
+  }
+}
+
+TEST(OptionSet, a_list_of_names_takes_names_only_and_each_once) {
+  for (const char* wrong : {"a,a", "a,", ",a", "a b", "2a", "a_b", "a-b"}) {
+    Pumps set;
+    const std::vector<Given> given{{"pumps", wrong, "here"}};
+    EXPECT_THROW(set.options.assign(given), BadInput) << wrong;
+  }
+}
+
+TEST(OptionSet, pages_show_an_example_of_what_a_list_names) {
+  Pumps set;
+  set.options.open_examples();
+  std::vector<std::string> names;
+  for (const Row& row : set.options.rows()) names.push_back(row.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"pumps", "pump_NAME_power", "pump_NAME_drive",
+                                             "pump_NAME_voltage"}));
+}
+
+TEST(OptionSet, rows_say_what_the_pages_print) {
+  Sample sample;
+  const std::vector<Row> rows = sample.options.rows();
+  const auto courant = std::ranges::find(rows, "courant", &Row::name);
+  ASSERT_NE(courant, rows.end());
+  EXPECT_EQ(courant->section, "Run");
+  EXPECT_EQ(courant->initial, "0.4");
+  EXPECT_EQ(courant->unit, "-");
+  EXPECT_EQ(courant->allowed, "real, > 0 and <= 2");
+  EXPECT_EQ(rows.front().initial, "required");
 }
 
 }  // namespace
