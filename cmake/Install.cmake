@@ -1,5 +1,5 @@
-# What `cmake --install` lays down: program, libraries for both instruction sets, headers, inputs and
-# the package that find_package(mpmsolve) finds. Nothing of it knows where it lies: it may be moved.
+# What `cmake --install` lays down: program, libraries for both instruction sets, headers, inputs
+# and the package that find_package(mpmsolve) finds. Nothing knows where it lies: it may be moved.
 include(CMakePackageConfigHelpers)
 
 set(MPM_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/mpmsolve)
@@ -12,7 +12,8 @@ function(mpm_install_rpath target)
     INSTALL_RPATH "${ARGN}" INSTALL_RPATH_USE_LINK_PATH ON)
 endfunction()
 
-file(RELATIVE_PATH from_program_to_libraries ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
+file(RELATIVE_PATH from_program_to_libraries
+  ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
 mpm_install_rpath(mpmsolve $ORIGIN/${from_program_to_libraries})
 install(TARGETS mpmsolve DESTINATION ${CMAKE_INSTALL_BINDIR})
 
@@ -34,6 +35,8 @@ configure_package_config_file(cmake/mpmsolveConfig.cmake.in ${CMAKE_BINARY_DIR}/
   INSTALL_DESTINATION ${MPM_PACKAGE_DIR})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/mpmsolveConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)  # before 1.0 a minor version may change the interface
-install(FILES ${CMAKE_BINARY_DIR}/mpmsolveConfig.cmake ${CMAKE_BINARY_DIR}/mpmsolveConfigVersion.cmake
+install(FILES
+  ${CMAKE_BINARY_DIR}/mpmsolveConfig.cmake ${CMAKE_BINARY_DIR}/mpmsolveConfigVersion.cmake
   DESTINATION ${MPM_PACKAGE_DIR})
-install(EXPORT mpmsolve NAMESPACE mpmsolve:: FILE mpmsolveTargets.cmake DESTINATION ${MPM_PACKAGE_DIR})
+install(EXPORT mpmsolve NAMESPACE mpmsolve:: FILE mpmsolveTargets.cmake
+  DESTINATION ${MPM_PACKAGE_DIR})

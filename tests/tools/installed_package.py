@@ -1,6 +1,7 @@
-"""installed_package.py CMAKE BUILD_DIR LAUNCHER [CMAKE_OPTION ...]: what `cmake --install` lays down
-works where it lies. It is installed as if to /opt and used from elsewhere, a directory with a blank
-in its name; the example is built against it and run, and no library may come from the build."""
+"""installed_package.py CMAKE BUILD_DIR LAUNCHER [CMAKE_OPTION ...]: what `cmake --install` lays
+down works where it lies. It is installed as if to /opt and used from elsewhere, a directory with a
+blank in its name; the example is built against it and run, and no library may come from the build.
+"""
 
 import json
 import os
@@ -15,6 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 CMAKE, BUILD, LAUNCHER, *CMAKE_OPTIONS = sys.argv[1:]
 LIBRARIES = {"libmpm_physics.so", "libmpm_partition.so", "libmpm_solver.so"}
 LOADER = "/lib64/ld-linux-x86-64.so.2"
+ALLOWED = re.compile(r"^([a-z_]+|(petsc\w*|mpi|hdf5)\.h)$")  # included by public headers
 SECONDS = 120
 ENVIRONMENT = {name: value for name, value in os.environ.items()
                if name not in ("LD_LIBRARY_PATH", "GLIBC_TUNABLES")}
@@ -46,7 +48,8 @@ class InstalledPackage(unittest.TestCase):
         scratch = tempfile.TemporaryDirectory()
         cls.addClassCleanup(scratch.cleanup)
         cls.scratch = pathlib.Path(scratch.name).resolve() / "with a blank"
-        output_of(CMAKE, "--install", BUILD, "--prefix", "/opt/mpm solver", DESTDIR=str(cls.scratch))
+        output_of(CMAKE, "--install", BUILD, "--prefix", "/opt/mpm solver",
+                  DESTDIR=str(cls.scratch))
         cls.prefix = cls.scratch / "opt" / "mpm solver"
         cls.program = cls.prefix / "bin" / "mpmsolve"
         (package,) = cls.prefix.rglob("mpmsolveConfig.cmake")
@@ -82,11 +85,16 @@ class InstalledPackage(unittest.TestCase):
             self.assertNotIn(str(ROOT), text, path)
             self.assertNotIn("/opt", text, path)
 
-    def test_no_public_header_needs_json(self):
+    def test_public_headers_need_none_but_their_own_and_those_of_mpi_petsc_and_hdf5(self):
         headers = list((self.prefix / "include" / "mpm").rglob("*.hpp"))
         self.assertTrue(headers)
         for path in headers:
-            self.assertNotIn("nlohmann", path.read_text(encoding="utf-8"), path)
+            text = path.read_text(encoding="utf-8")
+            self.assertNotIn("nlohmann", text, path)
+            for included in re.findall(r"#include <(.*)>", text):
+                self.assertRegex(included, ALLOWED, path)
+            for included in re.findall(r'#include "(.*)"', text):
+                self.assertTrue((self.prefix / "include" / included).exists(), (path, included))
 
     def test_the_example_gives_the_exact_answer_on_one_and_two_ranks(self):
         for ranks in (1, 2):
