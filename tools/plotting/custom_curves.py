@@ -1,6 +1,7 @@
 """curves.png of a scene put together by options: forces on bodies and watched points."""
 
 import numpy as np
+from matplotlib.transforms import ScaledTranslation
 
 from . import style
 from .custom_bodies import AXES, cuts, dimension_of
@@ -8,9 +9,12 @@ from .run import MissingData
 
 UNITS = {"N_per_m2": "kPa", "N_per_m": "kN/m", "N": "kN"}
 WAYS = [("", "impulse", "-"), ("contour_", "contour", "--")]  # by which the force is measured
-COMPONENTS = [style.BLUE, style.RED, style.GREEN]
+MAIN = [style.BLACK, style.ORANGE]
+COMPONENTS = [[style.BLUE, style.SKY], [style.RED, style.PURPLE], [style.GREEN, "0.5"]]
 PLACES = [style.BLUE, style.RED, style.GREEN, style.PURPLE, style.ORANGE, style.SKY, style.BLACK]
 SMALLEST = 1e-9  # share of the size of things, below which nothing has moved
+
+LEGEND_BELOW = 0.47  # inches, under the label of the axis
 
 
 class History:
@@ -71,36 +75,40 @@ def way_of(position):
 
 def decorate(axes):
     axes.axhline(0, color="0.75", lw=0.8, zorder=0)
-    axes.legend(loc="upper left", bbox_to_anchor=(0, -0.2), ncol=2, handlelength=2.0,
-                borderaxespad=0, columnspacing=1.2, labelspacing=0.35)
+    if not axes.get_xlabel().startswith("Time"):
+        axes.margins(x=0)
+    below = axes.transAxes + ScaledTranslation(0, -LEGEND_BELOW, axes.figure.dpi_scale_trans)
+    columns = 2 if len(axes.get_legend_handles_labels()[0]) > 6 else 1
+    axes.legend(loc="upper left", bbox_to_anchor=(0, 0), bbox_transform=below, ncol=columns,
+                handlelength=2.0, borderaxespad=0, columnspacing=1.2, labelspacing=0.35)
 
 
 def part_of(run, history, name):
-    shares = ["", ", half of it", ", quarter of it"]
+    shares = ["", " (modelled half)", " (modelled quarter)", " (modelled eighth)"]
     return shares[len(cuts(run, history.position(name)[0]))]
 
 
 def components_to_draw(run, history, name, direction):
     """Directions square to the way; those across a wall of symmetry say nothing of the body."""
     cut = cuts(run, history.position(name)[0])
-    square = lambda d: direction is None or abs(direction[d]) < 1e-6
-    return [d for d in range(history.dimension) if d not in cut and square(d)]
+    return [d for d in range(history.dimension)
+            if d not in cut and (direction is None or abs(direction[d]) < 1e-6)]
 
 
 def draw_components(axes, history, name, abscissa, components):
     for d in components:
-        for way, label, dashes in WAYS:
-            axes.plot(abscissa, history.force(name, way)[:, d], dashes, color=COMPONENTS[d],
-                      lw=1.0, label=f"$F_{AXES[d]}$, {label}")
+        for (way, label, dashes), colour in zip(WAYS, COMPONENTS[d]):
+            axes.plot(abscissa, history.force(name, way)[:, d], dashes, color=colour, lw=1.0,
+                      label=f"$F_{AXES[d]}$ on the body, {label}")
 
 
 def draw_moving(axes, run, history, name):
     direction, way = way_of(history.position(name))
     way, unit = in_unit(way)
     if direction is not None:
-        for kind, label, dashes in WAYS:
-            axes.plot(way, -history.force(name, kind) @ direction, dashes, color=style.BLACK,
-                      label=f"against the way, {label}")
+        for (kind, label, dashes), colour in zip(WAYS, MAIN):
+            axes.plot(way, -history.force(name, kind) @ direction, dashes, color=colour,
+                      label=f"against the motion, {label}")
     draw_components(axes, history, name, way,
                     components_to_draw(run, history, name, direction))
     axes.set(xlabel=f"Displacement of the body ({unit})",
@@ -109,19 +117,23 @@ def draw_moving(axes, run, history, name):
 
 
 def draw_turning(axes, _, history, name):
-    for kind, label, dashes in WAYS:
-        axes.plot(history.angle(name), history.columns[f"{name}_{kind}moment_N_m_per_m"] / 1e3,
-                  dashes, color=style.BLACK, label=label)
+    for (kind, label, dashes), colour in zip(WAYS, MAIN):
+        moment = history.columns[f"{name}_{kind}moment_N_m_per_m"] / 1e3
+        axes.plot(history.angle(name), moment, dashes, color=colour,
+                  label=f"anticlockwise +, {label}")
     axes.set(xlabel="Angle of the body, anticlockwise + (°)",
              ylabel="Moment of the ground (kN m/m)")
     decorate(axes)
+    if history.angle(name).sum() < 0:
+        axes.invert_xaxis()
 
 
 def draw_standing(axes, run, history, name):
     draw_components(axes, history, name, history.time,
                     components_to_draw(run, history, name, None))
     mark_restarts(axes, history)
-    axes.set(xlabel="Time (s)", ylabel=f"Force of the ground ({UNITS[history.force_unit]})")
+    axes.set(xlabel="Time (s)", xlim=(0, history.time[-1]),
+             ylabel=f"Force of the ground ({UNITS[history.force_unit]})")
     decorate(axes)
 
 
@@ -145,7 +157,7 @@ def draw_watched(axes, _, history, names):
             axes.plot(history.time, value[:, d], dashes, color=PLACES[k % len(PLACES)], lw=1.1,
                       label=f"{name.replace('watch', 'point ')}, $u_{AXES[d]}$")
     mark_restarts(axes, history)
-    axes.set(xlabel="Time (s)", ylabel=f"Displacement ({unit})")
+    axes.set(xlabel="Time (s)", xlim=(0, history.time[-1]), ylabel=f"Displacement ({unit})")
     decorate(axes)
 
 
@@ -170,7 +182,7 @@ def draw(run):
         raise MissingData("no curves.png: the scene has neither bodies nor watched points")
     columns = min(3, len(chosen))
     rows = -(-len(chosen) // columns)
-    made, panels = style.figure(rows, columns, max(8.2, 7.2 * columns), 7.6 * rows)
+    made, panels = style.figure(rows, columns, 8.4 * columns, 9.0 * rows)
     for panel in panels[len(chosen):]:
         panel.set_axis_off()
     for panel, (title, draw_panel, whose) in zip(panels, chosen):
