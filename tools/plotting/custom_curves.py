@@ -1,6 +1,7 @@
 """curves.png of a scene put together by options: forces on bodies and watched points."""
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 from . import style
@@ -75,6 +76,7 @@ def way_of(position):
 
 def decorate(axes):
     axes.axhline(0, color="0.75", lw=0.8, zorder=0)
+    axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
     if not axes.get_xlabel().startswith("Time"):
         axes.margins(x=0)
     below = axes.transAxes + ScaledTranslation(0, -LEGEND_BELOW, axes.figure.dpi_scale_trans)
