@@ -63,6 +63,18 @@ class Run:
         except (TypeError, ValueError):
             raise MissingData(f"the option -{name} of the run in '{self.directory}' is unknown")
 
+    def words(self, name):
+        """The parts of an option that is a list; none where it is not set."""
+        text = str(self.summary.get("option_" + name, self._used.get(name, "")))
+        return [word.strip() for word in text.split(",") if word.strip()]
+
+    def numbers(self, name):
+        try:
+            return np.array([float(word) for word in self.words(name)])
+        except ValueError:
+            raise MissingData(f"the option -{name} of the run in '{self.directory}' is no list of "
+                              "numbers")
+
     def table(self, name):
         """Columns of a CSV file by name; rows that are not complete are left out."""
         try:
