@@ -132,6 +132,7 @@ LedgerReport<dim> report(const Ledger<dim>& ledger, ParticleSums<dim> now,
   if (!now.strain || !start.strain) return sums;
   sums.strain_change = *now.strain - *start.strain;
   sums.plastic_work = 0.0 - sums.internal_work - *sums.strain_change;
+  sums.dissipation = *sums.plastic_work - sums.kinetic_residual;
   return sums;
 }
 
@@ -152,6 +153,7 @@ std::vector<std::pair<std::string, double>> entries(const LedgerReport<dim>& rep
   all.emplace_back("internal_work_J", report.internal_work);
   add_if("strain_energy_change_J", report.strain_change);
   add_if("plastic_work_J", report.plastic_work);
+  add_if("dissipation_J", report.dissipation);
   all.emplace_back("kinetic_energy_change_J", report.kinetic_change);
   all.emplace_back("kinetic_energy_residual_J", report.kinetic_residual);
   return all;

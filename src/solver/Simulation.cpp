@@ -78,6 +78,7 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
   m_options.averages_volume = setup.averages_volume;
   seed(setup);
   declare_causes();
+  open_ledger();
 }
 
 template <int dim>

@@ -75,6 +75,9 @@ struct LedgerReport {
   /// J, what the stresses have taken up beyond that, positive: -internal_work - strain_change. All
   /// errors of stress integration and of volumes are in it.
   std::optional<double> plastic_work;
+  /// J, of kinetic and strain energy lost in the material and by the method, positive: plastic_work
+  /// - kinetic_residual, in which what the nodes' noise adds to both cancels.
+  std::optional<double> dissipation;
   std::optional<double> work_of_bodies;  ///< J, of the bodies' own motion, if there are bodies
   std::optional<double> friction_work;   ///< J, of the bodies beyond that: at their surfaces
   double kinetic_change = 0.0;           ///< J, of the particles
