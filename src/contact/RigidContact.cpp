@@ -192,7 +192,7 @@ void RigidContact<dim>::constrain(const TouchingNode& node, grid::ConstrainedNod
   Vector<dim> relative;
   for (int d = 0; d < dim; ++d) relative[d] = nodes.momentum(node.local, d) / m_I - v[d];
   if (dot<dim>(relative, node.normal) >= 0.0) return;
-  nodes.change_velocity(node.local, m_friction->velocity_change(relative, node.normal));
+  nodes.change_velocity(node.local, m_friction->velocity_change(relative, node.normal), v);
   if (nodes.is_momentum_update())
     m_body->meter().add_moment(node.lever, booking().changes.back().momentum);
 }

@@ -32,4 +32,9 @@ void LinearElastic::wave_modulus(const Batch& batch, std::span<double> modulus) 
   std::fill_n(modulus.begin(), batch.size, m_lambda + 2.0 * m_mu);
 }
 
+void LinearElastic::strain_energy_density(const Batch& batch, std::span<double> density) const {
+  for (std::size_t p = 0; p < batch.size; ++p)
+    density[p] = strain_energy_density(batch.stress.load(p));
+}
+
 }  // namespace mpm::material

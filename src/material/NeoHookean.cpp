@@ -92,6 +92,16 @@ void NeoHookean::wave_modulus(const Batch& batch, std::span<double> modulus) con
   }
 }
 
+/// With mu (tr b - 3) = J tr sigma - 3 lambda ln J.
+void NeoHookean::strain_energy_density(const Batch& batch, std::span<double> density) const {
+  const double* J = batch.state[0];
+  for (std::size_t p = 0; p < batch.size; ++p) {
+    const double log_J = std::log(J[p]);
+    density[p] =
+        0.5 * trace(batch.stress.load(p)) + log_J * (0.5 * m_lambda * (log_J - 3.0) - m_mu) / J[p];
+  }
+}
+
 void NeoHookean::initialise_from_stress(const Batch& /*batch*/) const {
   throw BadInput("the neo-Hookean law cannot start from a prescribed stress");
 }

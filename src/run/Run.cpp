@@ -260,16 +260,8 @@ void Run<dim>::check_ledger() const {
 
 template <int dim>
 void Run<dim>::summarise_ledger(io::Summary& summary) const {
-  const solver::LedgerReport<dim> ledger = m_simulation.ledger();
-  for (const auto& cause : ledger.causes) {
-    for (int d = 0; d < dim; ++d)
-      summary.set(fmt::format("ledger_impulse_{}_{}_N_s", cause.name, "xyz"[d]), cause.impulse[d]);
-    summary.set(fmt::format("ledger_work_{}_J", cause.name), cause.work);
-  }
-  summary.set("ledger_momentum_residual", ledger.momentum_residual_share);
-  summary.set("ledger_internal_work_J", ledger.internal_work);
-  summary.set("ledger_kinetic_energy_change_J", ledger.kinetic_change);
-  summary.set("ledger_kinetic_energy_residual_J", ledger.kinetic_residual);
+  for (const auto& [name, value] : solver::entries(m_simulation.ledger()))
+    summary.set("ledger_" + name, value);
 }
 
 template class Run<1>;

@@ -228,7 +228,7 @@ void ExplicitStep<dim, Basis>::constrain(grid::ConstrainedNodes<dim> nodes) {
 
 /// p_I += f_I dt (Eq. 6) with walls, rigid bodies and damping; then v_I = p_I/m_I, a_I = f_I/m_I.
 template <int dim, class Basis>
-void ExplicitStep<dim, Basis>::update_momentum(const StepTimes& times,
+void ExplicitStep<dim, Basis>::update_momentum(const View& particles, const StepTimes& times,
                                                const StepOptions<dim>& options) {
   const petsc::Phase phase("mpm: update momentum");
   const transfer::MassMomentumForce<dim> sums(m_sums);
@@ -251,6 +251,7 @@ void ExplicitStep<dim, Basis>::update_momentum(const StepTimes& times,
   book_work(options, dt);
   m_rates.copy_to_ghosts();
   if (!m_parts.boundary.is_empty()) book_loads_work(dt);
+  if (options.body_force.at_reference_position) book_body_force_work(particles, options, dt);
 }
 
 template <int dim, class Basis>

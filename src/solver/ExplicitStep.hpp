@@ -26,7 +26,8 @@ class ExplicitStep : public Step<dim> {
   void deposit(const View& particles, const StepOptions<dim>& options);
   /// Nodal momentum, velocity and acceleration after forces, walls and constraints (Eq. 6).
   /// Collective.
-  void update_momentum(const StepTimes& times, const StepOptions<dim>& options);
+  void update_momentum(const View& particles, const StepTimes& times,
+                       const StepOptions<dim>& options);
   /// Particle velocities (Eq. 7). Local.
   void update_velocities(const View& particles, const StepTimes& times,
                          const StepOptions<dim>& options);
@@ -56,6 +57,7 @@ class ExplicitStep : public Step<dim> {
   void book_constraints(double dt);
   void book_work(const StepOptions<dim>& options, double dt);
   void book_loads_work(double dt);
+  void book_body_force_work(const View& particles, const StepOptions<dim>& options, double dt);
   double mean_velocity(int d, int I, double dt) const;
   using WallHolds = std::vector<typename grid::Walls<dim>::Held>;
   void apply_damping(double damping, double dt);

@@ -1,5 +1,7 @@
 #include "mpm/solver/Ledger.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +14,41 @@ double size_of(const Vector<dim>& a) {
   double square = 0.0;
   for (double component : a) square += component * component;
   return std::sqrt(square);
+}
+
+/// Values of a rank that become sums over the ranks in one message.
+class Parcel {
+ public:
+  void add(double& value) { m_values.push_back(&value); }
+  template <std::size_t size>
+  void add(std::array<double, size>& values) {
+    for (double& value : values) add(value);
+  }
+  /// Collective.
+  void sum(const petsc::Communicator& ranks) const {
+    std::vector<double> sums;
+    for (const double* value : m_values) sums.push_back(*value);
+    ranks.sum(sums);
+    for (std::size_t k = 0; k < sums.size(); ++k) *m_values[k] = sums[k];
+  }
+
+ private:
+  std::vector<double*> m_values;
+};
+
+template <int dim>
+void add(ParticleSums<dim>& particles, Parcel& parcel) {
+  parcel.add(particles.momentum);
+  parcel.add(particles.kinetic);
+  parcel.add(particles.motion);
+  if (particles.strain) parcel.add(*particles.strain);
+}
+
+template <int dim>
+void add(Cause<dim>& cause, Parcel& parcel) {
+  parcel.add(cause.impulse);
+  parcel.add(cause.work);
+  parcel.add(cause.body_work);
 }
 
 }  // namespace
@@ -31,7 +68,7 @@ Cause<dim>& Ledger<dim>::cause(const std::string& name) {
 
 template <int dim>
 void Ledger<dim>::open(const ParticleSums<dim>& start) {
-  for (Cause<dim>& cause : m_causes) cause = {.name = cause.name};
+  for (Cause<dim>& cause : m_causes) cause = {.name = cause.name, .is_body = cause.is_body};
   m_total_work = 0.0;
   m_start = start;
 }
@@ -42,43 +79,94 @@ void Ledger<dim>::persist(Archive& archive) {
     archive.group(cause.name, [&] {
       archive("impulse", cause.impulse);
       archive("work", cause.work);
+      if (cause.is_body) archive("body_work", cause.body_work);
     });
   archive("total_work", m_total_work);
   archive("start_momentum", m_start.momentum);
   archive("start_kinetic", m_start.kinetic);
   archive("start_motion", m_start.motion);
+  if (m_start.strain) archive("start_strain", *m_start.strain);
 }
 
 template <int dim>
-LedgerReport<dim> report(const Ledger<dim>& ledger, const ParticleSums<dim>& now,
+ParticleSums<dim> summed(ParticleSums<dim> share, const petsc::Communicator& ranks) {
+  Parcel parcel;
+  add<dim>(share, parcel);
+  parcel.sum(ranks);
+  return share;
+}
+
+namespace {
+
+/// Of what the causes have not done, momentum and energy.
+template <int dim>
+void take_off(const Cause<dim>& cause, LedgerReport<dim>& sums) {
+  sums.internal_work -= cause.work;
+  for (int d = 0; d < dim; ++d) sums.momentum_residual[d] -= cause.impulse[d];
+  if (!cause.is_body) return;
+  sums.work_of_bodies = sums.work_of_bodies.value_or(0.0) + cause.body_work;
+  sums.friction_work = sums.friction_work.value_or(0.0) + (cause.work - cause.body_work);
+}
+
+}  // namespace
+
+template <int dim>
+LedgerReport<dim> report(const Ledger<dim>& ledger, ParticleSums<dim> now,
                          const petsc::Communicator& ranks) {
-  LedgerReport<dim> sums;
-  sums.internal_work = ranks.sum(ledger.total_work());
-  sums.kinetic_change = now.kinetic - ledger.start().kinetic;
+  LedgerReport<dim> sums{.causes = ledger.causes(), .internal_work = ledger.total_work()};
+  Parcel parcel;
+  parcel.add(sums.internal_work);
+  add<dim>(now, parcel);
+  for (Cause<dim>& cause : sums.causes) add<dim>(cause, parcel);
+  parcel.sum(ranks);
+  const ParticleSums<dim>& start = ledger.start();
+  sums.kinetic_change = now.kinetic - start.kinetic;
   sums.kinetic_residual = sums.kinetic_change - sums.internal_work;
-  double scale = ledger.start().motion + now.motion;
-  for (int d = 0; d < dim; ++d)
-    sums.momentum_residual[d] = now.momentum[d] - ledger.start().momentum[d];
-  for (Cause<dim> cause : ledger.causes()) {
-    for (double& component : cause.impulse) component = ranks.sum(component);
-    cause.work = ranks.sum(cause.work);
-    sums.internal_work -= cause.work;
-    for (int d = 0; d < dim; ++d) sums.momentum_residual[d] -= cause.impulse[d];
+  for (int d = 0; d < dim; ++d) sums.momentum_residual[d] = now.momentum[d] - start.momentum[d];
+  double scale = start.motion + now.motion;
+  for (const Cause<dim>& cause : sums.causes) {
+    take_off(cause, sums);
     scale += size_of<dim>(cause.impulse);
-    sums.causes.push_back(cause);
   }
   sums.momentum_residual_share = scale > 0.0 ? size_of<dim>(sums.momentum_residual) / scale : 0.0;
+  if (!now.strain || !start.strain) return sums;
+  sums.strain_change = *now.strain - *start.strain;
+  sums.plastic_work = 0.0 - sums.internal_work - *sums.strain_change;
+  sums.dissipation = *sums.plastic_work - sums.kinetic_residual;
   return sums;
 }
 
-template class Ledger<1>;
-template class Ledger<2>;
-template class Ledger<3>;
-template LedgerReport<1> report(const Ledger<1>&, const ParticleSums<1>&,
-                                const petsc::Communicator&);
-template LedgerReport<2> report(const Ledger<2>&, const ParticleSums<2>&,
-                                const petsc::Communicator&);
-template LedgerReport<3> report(const Ledger<3>&, const ParticleSums<3>&,
-                                const petsc::Communicator&);
+template <int dim>
+std::vector<std::pair<std::string, double>> entries(const LedgerReport<dim>& report) {
+  std::vector<std::pair<std::string, double>> all;
+  for (const Cause<dim>& cause : report.causes) {
+    for (int d = 0; d < dim; ++d)
+      all.emplace_back(fmt::format("impulse_{}_{}_N_s", cause.name, "xyz"[d]), cause.impulse[d]);
+    all.emplace_back(fmt::format("work_{}_J", cause.name), cause.work);
+  }
+  const auto add_if = [&](const char* name, const std::optional<double>& value) {
+    if (value) all.emplace_back(name, *value);
+  };
+  add_if("work_of_bodies_J", report.work_of_bodies);
+  add_if("friction_work_J", report.friction_work);
+  all.emplace_back("momentum_residual", report.momentum_residual_share);
+  all.emplace_back("internal_work_J", report.internal_work);
+  add_if("strain_energy_change_J", report.strain_change);
+  add_if("plastic_work_J", report.plastic_work);
+  add_if("dissipation_J", report.dissipation);
+  all.emplace_back("kinetic_energy_change_J", report.kinetic_change);
+  all.emplace_back("kinetic_energy_residual_J", report.kinetic_residual);
+  return all;
+}
+
+#define MPM_INSTANTIATE(dim)                                                        \
+  template class Ledger<dim>;                                                       \
+  template ParticleSums<dim> summed(ParticleSums<dim>, const petsc::Communicator&); \
+  template LedgerReport<dim> report(const Ledger<dim>&, ParticleSums<dim>,          \
+                                    const petsc::Communicator&);                    \
+  template std::vector<std::pair<std::string, double>> entries(const LedgerReport<dim>&);
+MPM_INSTANTIATE(1)
+MPM_INSTANTIATE(2)
+MPM_INSTANTIATE(3)
 
 }  // namespace mpm::solver

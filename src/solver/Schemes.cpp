@@ -12,7 +12,7 @@ class MuslStep : public ExplicitStep<dim, Basis> {
   StepReport advance(const StepTimes& times, const StepOptions<dim>& options) override {
     const auto particles = this->particles();
     this->deposit(particles, options);                             // (1)-(5)
-    this->update_momentum(times, options);                         // (6)
+    this->update_momentum(particles, times, options);              // (6)
     this->update_velocities_and_remap(particles, times, options);  // (7), (9)
     return this->strain_and_move(particles, {.strain = times.dt, .move = times.dt},
                                  this->remapped_velocity(), options);  // (8)
@@ -27,7 +27,7 @@ class UslStep : public ExplicitStep<dim, Basis> {
   StepReport advance(const StepTimes& times, const StepOptions<dim>& options) override {
     const auto particles = this->particles();
     this->deposit(particles, options);                   // (1)-(5)
-    this->update_momentum(times, options);               // (6)
+    this->update_momentum(particles, times, options);    // (6)
     this->update_velocities(particles, times, options);  // (7)
     return this->strain_and_move(particles, {.strain = times.dt, .move = times.dt},
                                  this->updated_velocity(), options);  // (8)
@@ -46,7 +46,7 @@ class UsfStep : public ExplicitStep<dim, Basis> {
     const StepReport strained = this->strain_and_move(
         particles, {.strain = times.dt_old, .move = 0.0}, this->remapped_velocity(), options);
     this->deposit(particles, options);                   // (1)-(5)
-    this->update_momentum(times, options);               // (6)
+    this->update_momentum(particles, times, options);    // (6)
     this->update_velocities(particles, times, options);  // (7)
     StepReport moved = this->strain_and_move(particles, {.strain = 0.0, .move = times.dt},
                                              this->updated_velocity(), options);  // (8)

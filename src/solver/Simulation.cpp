@@ -78,6 +78,7 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
   m_options.averages_volume = setup.averages_volume;
   seed(setup);
   declare_causes();
+  open_ledger();
 }
 
 template <int dim>
@@ -114,7 +115,7 @@ void Simulation<dim>::seed(const SimulationSetup<dim>& setup) {
 
 template <int dim>
 void Simulation<dim>::add_constraint(std::shared_ptr<grid::Constraint<dim>> constraint) {
-  m_ledger.cause(constraint->label());
+  m_ledger.cause(constraint->label()).is_body = true;
   m_constraints.push_back(constraint.get());
   m_owned_constraints.push_back(std::move(constraint));
 }
@@ -272,22 +273,47 @@ double Simulation<dim>::out_of_balance() const {
   return unbalanced_force() / (total_mass() * std::sqrt(g));
 }
 
+namespace {
+
 template <int dim>
-double Simulation<dim>::kinetic_energy() const {
-  const particles::ParticleView<dim> view = m_particles->view();
+double kinetic_energy_of(const particles::ParticleView<dim>& view) {
   double energy = 0.0;
   for (int p = 0; p < view.count; ++p)
     for (int d = 0; d < dim; ++d)
       energy += 0.5 * view.mass[p] * view.velocity[d][p] * view.velocity[d][p];
-  return communicator().sum(energy);
+  return energy;
+}
+
+template <int dim>
+Vector<dim> momentum_of(const particles::ParticleView<dim>& view) {
+  Vector<dim> sum{};
+  for (int p = 0; p < view.count; ++p)
+    for (int d = 0; d < dim; ++d) sum[d] += view.mass[p] * view.velocity[d][p];
+  return sum;
+}
+
+/// Sum of m |v|.
+template <int dim>
+double motion_of(const particles::ParticleView<dim>& view) {
+  double motion = 0.0;
+  for (int p = 0; p < view.count; ++p) {
+    double square = 0.0;
+    for (int d = 0; d < dim; ++d) square += view.velocity[d][p] * view.velocity[d][p];
+    motion += view.mass[p] * std::sqrt(square);
+  }
+  return motion;
+}
+
+}  // namespace
+
+template <int dim>
+double Simulation<dim>::kinetic_energy() const {
+  return communicator().sum(kinetic_energy_of<dim>(m_particles->view()));
 }
 
 template <int dim>
 Vector<dim> Simulation<dim>::momentum() const {
-  const particles::ParticleView<dim> view = m_particles->view();
-  Vector<dim> sum{};
-  for (int p = 0; p < view.count; ++p)
-    for (int d = 0; d < dim; ++d) sum[d] += view.mass[p] * view.velocity[d][p];
+  Vector<dim> sum = momentum_of<dim>(m_particles->view());
   for (double& component : sum) component = communicator().sum(component);
   return sum;
 }
@@ -303,21 +329,33 @@ void Simulation<dim>::declare_causes() {
 
 template <int dim>
 void Simulation<dim>::open_ledger() {
-  m_ledger.open(particle_sums());
+  m_ledger.open(summed(particle_sums(), communicator()));
 }
 
+/// This rank's share.
 template <int dim>
 ParticleSums<dim> Simulation<dim>::particle_sums() const {
-  double motion = 0.0;
-  {
-    const particles::ParticleView<dim> view = m_particles->view();
-    for (int p = 0; p < view.count; ++p) {
-      double square = 0.0;
-      for (int d = 0; d < dim; ++d) square += view.velocity[d][p] * view.velocity[d][p];
-      motion += view.mass[p] * std::sqrt(square);
-    }
+  const particles::ParticleView<dim> view = m_particles->view();
+  return {momentum_of(view), kinetic_energy_of(view), motion_of(view), strain_energy(view)};
+}
+
+/// This rank's share; nothing where one of the laws has none.
+template <int dim>
+std::optional<double> Simulation<dim>::strain_energy(
+    const particles::ParticleView<dim>& view) const {
+  const particles::Materials& laws = m_particles->materials();
+  if (!std::ranges::all_of(laws, [](const auto& law) { return law->has_strain_energy(); }))
+    return {};
+  double energy = 0.0;
+  std::vector<double> density(static_cast<std::size_t>(view.count));
+  for (std::size_t k = 0; k < laws.size(); ++k) {
+    const auto material = static_cast<int>(k);
+    const particles::Range range = m_particles->range_of(material);
+    laws[k]->strain_energy_density(m_particles->batch_of(view, material), density);
+    for (int i = 0; i < range.size(); ++i)
+      energy += view.volume[range.first + i] * density[static_cast<std::size_t>(i)];
   }
-  return {momentum(), kinetic_energy(), communicator().sum(motion)};
+  return energy;
 }
 
 template <int dim>

@@ -63,6 +63,7 @@ void ExplicitStep<dim, Basis>::book_constraints(double dt) {
         cause.impulse[d] += given[d];
         cause.work += given[d] * mean_velocity(d, I, dt);
       }
+    cause.body_work += constraint->booking().work;
   }
   if (m_undamped[0].empty()) return;
   Cause<dim>& damping = m_parts.ledger.cause("damping");
@@ -78,8 +79,8 @@ void ExplicitStep<dim, Basis>::book_constraints(double dt) {
   for (auto& momentum : m_undamped) momentum.clear();
 }
 
-/// Of all forces together, and of gravity: that of the twins beyond a wall acts against their
-/// reflections in held components.
+/// Of all forces together, and of uniform gravity: that of the twins beyond a wall acts against
+/// their reflections in held components.
 template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::book_work(const StepOptions<dim>& options, double dt) {
   const transfer::MassMomentumForce<dim> sums(m_sums);
@@ -122,13 +123,24 @@ void ExplicitStep<dim, Basis>::book_loads_work(double dt) {
                                                     transfer::VelocityAcceleration<dim>(m_rates));
 }
 
+/// At the particles: a sum over nodes, among them those beyond walls, which move as their twins do.
+template <int dim, class Basis>
+void ExplicitStep<dim, Basis>::book_body_force_work(const View& particles,
+                                                    const StepOptions<dim>& options, double dt) {
+  m_parts.ledger.cause("gravity").work +=
+      dt * transfer::body_force_power<dim, Basis>(particles, stencil(), options.body_force, dt,
+                                                  transfer::VelocityAcceleration<dim>(m_rates));
+}
+
 #define MPM_INSTANTIATE(dim, Basis)                                                       \
   template double ExplicitStep<dim, Basis>::mean_velocity(int, int, double) const;        \
   template void ExplicitStep<dim, Basis>::book_deposits(const StepOptions<dim>&, double); \
   template void ExplicitStep<dim, Basis>::book_walls(double, double);                     \
   template void ExplicitStep<dim, Basis>::book_constraints(double);                       \
   template void ExplicitStep<dim, Basis>::book_work(const StepOptions<dim>&, double);     \
-  template void ExplicitStep<dim, Basis>::book_loads_work(double);
+  template void ExplicitStep<dim, Basis>::book_loads_work(double);                        \
+  template void ExplicitStep<dim, Basis>::book_body_force_work(                           \
+      const particles::ParticleView<dim>&, const StepOptions<dim>&, double);
 MPM_BASES(MPM_IN_ALL_DIMENSIONS)
 
 }  // namespace mpm::solver

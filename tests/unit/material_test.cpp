@@ -79,6 +79,21 @@ TEST(LinearElastic, finds_the_strain_of_a_stress_and_its_energy) {
               0.5 * lambda * volumetric * volumetric + mu * contract(strain, strain), 1e-12 * E);
 }
 
+TEST(LinearElastic, has_the_strain_energy_of_every_particle_of_a_batch) {
+  std::array<double, 2> xx{-3.1e3, 0.7e3}, yy{1.9e3, -2.3e3}, xy{0.4e3, 1.1e3}, energy{};
+  Batch batch;
+  batch.size = 2;
+  batch.stress.component = {xx.data(), yy.data(), nullptr, xy.data()};
+  ASSERT_TRUE(elastic().has_strain_energy());
+  elastic().strain_energy_density(batch, energy);
+  const double K = E / (3 * (1 - 2 * nu));
+  for (std::size_t p = 0; p < 2; ++p) {
+    const double mean = (xx[p] + yy[p]) / 3;
+    const SymmetricTensor s{{xx[p] - mean, yy[p] - mean, -mean, xy[p]}};
+    EXPECT_NEAR(energy[p], mean * mean / (2 * K) + contract(s, s) / (4 * mu), 1e-12 * E);
+  }
+}
+
 TEST(LinearElastic, refuses_constants_without_a_stable_material) {
   EXPECT_THROW(LinearElastic({.youngs_modulus = 0.0}), BadInput);
   EXPECT_THROW(LinearElastic({.poisson_ratio = 0.5}), BadInput);

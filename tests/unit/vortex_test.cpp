@@ -108,5 +108,27 @@ TEST(NeoHookean, has_the_stress_of_the_left_cauchy_green_tensor_at_constant_volu
   EXPECT_NEAR(stress[2], 0.0, 1e-10 * mu);
 }
 
+TEST(NeoHookean, has_the_strain_energy_of_its_stretches) {
+  constexpr std::array<double, 3> stretch{0.31, -0.12, 0.07};  // logarithmic
+  const material::NeoHookean law({.youngs_modulus = E, .poisson_ratio = nu, .density = density});
+  std::array<double, 3> increment = stretch, stress{};
+  double volume_ratio = 1.0, density_of_energy = 0.0;
+  material::Batch batch;
+  batch.size = 1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    batch.strain_increment.component[k] = &increment[k];
+    batch.stress.component[k] = &stress[k];
+  }
+  batch.state = {&volume_ratio};
+  law.update_stress(batch);
+  ASSERT_TRUE(law.has_strain_energy());
+  law.strain_energy_density(batch, {&density_of_energy, 1});
+  const double log_J = 0.31 - 0.12 + 0.07;
+  double trace = 0.0;
+  for (const double e : stretch) trace += std::exp(2 * e);
+  const double energy = 0.5 * mu * (trace - 3.0) - mu * log_J + 0.5 * lambda * log_J * log_J;
+  EXPECT_NEAR(density_of_energy * std::exp(log_J), energy, 1e-12 * mu);
+}
+
 }  // namespace
 }  // namespace mpm::cases

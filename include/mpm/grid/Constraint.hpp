@@ -23,6 +23,13 @@ struct Booking {
   Vector<dim> impulse{};
   /// Of the last momentum update, in the order given; a node may occur several times.
   std::vector<Change> changes;
+  /// Sum over them of the momentum times the velocity that the constraint itself has there, J.
+  double work = 0.0;
+
+  void begin_momentum_update() {
+    changes.clear();
+    work = 0.0;
+  }
 
   Vector<dim> take_impulse() { return std::exchange(impulse, Vector<dim>{}); }
   bool has_acted_on(int node) const {
@@ -48,7 +55,7 @@ class ConstrainedNodes {
   /// Changes are booked there from here on.
   void book_on(Booking<dim>& booking) {
     m_booking = &booking;
-    if (is_momentum_update()) booking.changes.clear();
+    if (is_momentum_update()) booking.begin_momentum_update();
   }
 
   bool is_momentum_update() const { return m_force[0] != nullptr; }
@@ -57,21 +64,23 @@ class ConstrainedNodes {
   double mass(int I) const { return m_mass[I]; }
   double momentum(int I, int d) const { return m_momentum[d][I]; }
 
-  /// Gives a node v as component d of its velocity, m/s. Returns the momentum given, N s.
+  /// Gives a node the constraint's v as component d of its velocity, m/s. Returns the momentum
+  /// given, N s.
   double set_velocity(int I, int d, double v) {
     const double change = m_mass[I] * v - m_momentum[d][I];
     m_momentum[d][I] += change;
     if (!is_momentum_update()) return change;
     m_force[d][I] += change / m_dt;
     m_booking->impulse[d] += change;
+    m_booking->work += change * v;
     Vector<dim> given{};
     given[d] = change;
     m_booking->changes.push_back({I, given});
     return change;
   }
 
-  /// Changes the velocity of a node, m/s.
-  void change_velocity(int I, const Vector<dim>& change) {
+  /// Changes the velocity of a node where the constraint itself has the velocity `own`, m/s.
+  void change_velocity(int I, const Vector<dim>& change, const Vector<dim>& own = {}) {
     const double m_I = m_mass[I];
     for (int d = 0; d < dim; ++d) m_momentum[d][I] += m_I * change[d];
     if (!is_momentum_update()) return;
@@ -80,6 +89,7 @@ class ConstrainedNodes {
       m_force[d][I] += m_I * change[d] / m_dt;
       m_booking->impulse[d] += m_I * change[d];
       given[d] = m_I * change[d];
+      m_booking->work += given[d] * own[d];
     }
     m_booking->changes.push_back({I, given});
   }

@@ -29,6 +29,10 @@ class LinearElastic : public Material {
   void update_stress(const Batch& batch) const override;
   void wave_modulus(const Batch& batch, std::span<double> modulus) const override;
   void initialise_from_stress(const Batch&) const override {}
+  bool has_strain_energy() const override { return true; }
+  /// p^2/2K + s:s/4G of the Cauchy stress. The rate form has a potential to first order in strain
+  /// only: of a large strain the work and this differ by a share of the order of the strain.
+  void strain_energy_density(const Batch& batch, std::span<double> density) const override;
 
   double lambda() const { return m_lambda; }     ///< Lame's first constant, Pa
   double shear_modulus() const { return m_mu; }  ///< Pa

@@ -75,6 +75,12 @@ class Material {
   /// Throws BadInput if the law admits no such stress.
   virtual void initialise_from_stress(const Batch& batch) const = 0;
 
+  /// Whether the stress has a potential; a law whose moduli depend on the pressure need not.
+  virtual bool has_strain_energy() const { return false; }
+  /// Writes the energy that unloading would give back, J per m^3 of present volume. Only where
+  /// has_strain_energy().
+  virtual void strain_energy_density(const Batch&, std::span<double> /*density*/) const {}
+
   /// Number of particles whose law is held by a numerical limit (pressure floor, caps).
   virtual std::size_t count_at_limits(const Batch&) const { return 0; }
 };

@@ -34,6 +34,11 @@ class MohrCoulomb : public Material {
   void wave_modulus(const Batch& batch, std::span<double> modulus) const override;
   /// No plastic strain yet. Throws BadInput where the stress violates the yield condition.
   void initialise_from_stress(const Batch& batch) const override;
+  bool has_strain_energy() const override { return true; }
+  /// Of the elastic part, see LinearElastic.
+  void strain_energy_density(const Batch& batch, std::span<double> density) const override {
+    m_elastic.strain_energy_density(batch, density);
+  }
   /// Particles at the apex, whose further expansion meets no stress.
   std::size_t count_at_limits(const Batch& batch) const override;
 

@@ -25,6 +25,9 @@ class NeoHookean : public Material {
   void wave_modulus(const Batch& batch, std::span<double> modulus) const override;
   /// Not meant for prescribed stresses: throws BadInput.
   void initialise_from_stress(const Batch& batch) const override;
+  bool has_strain_energy() const override { return true; }
+  /// [mu (tr b - 3)/2 - mu ln J + lambda (ln J)^2/2]/J.
+  void strain_energy_density(const Batch& batch, std::span<double> density) const override;
 
  private:
   NeoHookeanParameters m_parameters;

@@ -28,6 +28,11 @@ class VonMises : public Material {
   void wave_modulus(const Batch& batch, std::span<double> modulus) const override;
   /// No plastic strain yet. Throws BadInput where q exceeds sqrt(3) c.
   void initialise_from_stress(const Batch& batch) const override;
+  bool has_strain_energy() const override { return true; }
+  /// Of the elastic part, see LinearElastic.
+  void strain_energy_density(const Batch& batch, std::span<double> density) const override {
+    m_elastic.strain_energy_density(batch, density);
+  }
 
  private:
   LinearElastic m_elastic;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -116,6 +117,7 @@ class Simulation {
   void seed(const SimulationSetup<dim>& setup);
   void declare_causes();
   ParticleSums<dim> particle_sums() const;
+  std::optional<double> strain_energy(const particles::ParticleView<dim>& view) const;
   void rebalance();
   void migrate();
   void renew_time_step();

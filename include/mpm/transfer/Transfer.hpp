@@ -85,6 +85,13 @@ void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
                                  Stencil<dim, Basis> stencil, const BodyForce<dim>& body_force,
                                  MassMomentumForce<dim> nodes);
 
+/// Sum of m_p b_p . v_I N_Ip with the nodes' velocities of the middle of a step, v_I - a_I dt/2, W:
+/// what the body force that these particles have deposited does. Reads ghosts. Local.
+template <int dim, class Basis>
+double body_force_power(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
+                        const BodyForce<dim>& body_force, double dt,
+                        const VelocityAcceleration<dim>& nodes);
+
 /// Deposits m_p N_Ip alone, on which dual bases depend. Ghosts are to be summed afterwards.
 template <int dim, class Basis>
 void deposit_mass(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
