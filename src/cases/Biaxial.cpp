@@ -146,7 +146,8 @@ run::HistoryTable<2> Biaxial::history() {
               [this](const run::History<2>& rows) {
                 return fmt::format("strain {:.2f} %  stress {:.0f} kPa", 100.0 * axial_strain(),
                                    rows.last(stress_column) / 1e3);
-              }};
+              },
+          .has_ledger = true};
 }
 
 std::vector<double> Biaxial::row(const Now& now) {

@@ -196,7 +196,8 @@ run::HistoryTable<2> Collapse::history() {
               },
           .cadence = by_time.or_every(m_column.run.history_every),
           .has_first_row = true,
-          .has_last_row = true};
+          .has_last_row = true,
+          .has_ledger = true};
 }
 
 /// Of the sand as it was packed at the start, over each column of cells, m.

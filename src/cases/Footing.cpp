@@ -137,7 +137,8 @@ class Footing : public GridCase<2> {
             .status =
                 [](const run::History<2>& rows) {
                   return fmt::format("q/c {:.3f}", rows.last(pressure_column));
-                }};
+                },
+            .has_ledger = true};
   }
 
   /// Mean pressure between two shares of the way.

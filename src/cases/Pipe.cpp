@@ -191,7 +191,8 @@ run::HistoryTable<2> Pipe::history() {
               [this](const run::History<2>& rows) {
                 return fmt::format("u/D {:.3f}  N_d {:6.2f}", u_over_D(), rows.last(N_d_column));
               },
-          .columns_before_clock = N_d_contour_column};
+          .columns_before_clock = N_d_contour_column,
+          .has_ledger = true};
 }
 
 /// Means since the row before.

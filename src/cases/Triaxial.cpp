@@ -210,7 +210,8 @@ class Triaxial : public GridCase<3> {
 run::Problem<3> Triaxial::problem() {
   const contact::Ramp ramp{m_velocity, ramp_strain * side};
   m_platen = std::make_shared<contact::RigidBody<3>>(
-      std::make_shared<geometry::HalfSpace<3>>(Vector<3>{0.0, -1.0, 0.0}), Vector<3>{0.0, side, 0.0},
+      std::make_shared<geometry::HalfSpace<3>>(Vector<3>{0.0, -1.0, 0.0}),
+      Vector<3>{0.0, side, 0.0},
       std::make_shared<contact::RampMotion<3>>(Vector<3>{0.0, -1.0, 0.0}, ramp));
   m_constraint = std::make_shared<Platen>(m_platen);
   m_compression = std::make_shared<Compression>();
@@ -242,7 +243,8 @@ run::HistoryTable<3> Triaxial::history() {
           [](const run::History<3>& rows) {
             return fmt::format("q {:.1f} kPa", rows.last(q_column) / 1e3);
           },
-      .has_first_row = true};
+      .has_first_row = true,
+      .has_ledger = true};
 }
 
 /// The platen's stress is a mean over the interval since the last row, the confining pressure

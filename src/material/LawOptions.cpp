@@ -16,7 +16,7 @@ void LawOptions::declare(options::OptionSet& set) {
              {"",
               "law of the table; its constants follow with the same prefix, named as in -scene "
               "material_point",
-              "docs/model.md"});
+              "docs/model.md", true});
   set.opens([this, &set] { m_factories[m_law]->declare(set); }, [] {});
 }
 

@@ -37,10 +37,12 @@ void require_solvable(const SandParameters& sand, const std::string& prefix) {
   const double largest_f = sand.softening == Softening::plain ? std::exp(-1.0) : 1.0;
   const bool lode = sand.dilatancy == Dilatancy::lode;
   const double limit = (lode ? 1.0 : sand.c) * sand.Mc / largest_f;
-  require(sand.d0 < limit,
-          fmt::format("-{0}sand_d0 {1}: must be below {2:.4g} ({3}sand_Mc over the largest f), or "
-                      "the stress-strain relation has no solution for q; lower -{0}sand_d0",
-                      prefix, sand.d0, limit, lode ? "" : "sand_c times "));
+  require(
+      sand.d0 < limit,
+      fmt::format("-{0}sand_d0 {1}: must be below {2:.4g} ({3}-{0}sand_Mc over the largest f), or "
+                  "the stress-strain relation has no solution for q; lower -{0}sand_d0",
+                  prefix, sand.d0, limit,
+                  lode ? std::string() : fmt::format("-{}sand_c times ", prefix)));
 }
 
 }  // namespace

@@ -10,17 +10,20 @@ void History<dim>::insert_clock(std::vector<Value>& row, const std::array<Value,
 }
 
 template <int dim>
-void History<dim>::open() {
+void History<dim>::open(const Moment<dim>& moment) {
   if (m_file) return;
   std::vector<std::string> columns = m_table.columns;
   insert_clock<std::string>(columns, {"dt_s", "step"});
+  if (m_table.has_ledger)
+    for (const auto& [name, value] : solver::entries(moment.simulation.ledger()))
+      columns.push_back("ledger_" + name);
   m_file = std::make_unique<io::CsvFile>(m_table.path, columns);
 }
 
 template <int dim>
 void History<dim>::begin_stage(const Moment<dim>& moment) {
   const bool is_first = !m_file;
-  open();
+  open(moment);
   if (is_first && m_table.has_first_row) write_row(moment);
 }
 
@@ -31,7 +34,7 @@ void History<dim>::after_step(const Moment<dim>& moment) {
 
 template <int dim>
 void History<dim>::end(const Moment<dim>& moment) {
-  open();
+  open(moment);
   if (m_table.has_last_row) write_row(moment);
 }
 
@@ -40,6 +43,9 @@ void History<dim>::write_row(const Moment<dim>& moment) {
   std::vector<double> row = m_table.row(moment);
   m_rows.push_back(row);
   insert_clock<double>(row, {moment.clock.dt, static_cast<double>(moment.clock.step)});
+  if (m_table.has_ledger)
+    for (const auto& [name, value] : solver::entries(moment.simulation.ledger()))
+      row.push_back(value);
   m_file->row(row);
 }
 

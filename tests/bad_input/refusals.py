@@ -25,6 +25,12 @@ def path(directory, file, *arguments):
     return point(directory, "-test", "path", "-path_file", file, *arguments)
 
 
+def custom(directory, *arguments):
+    """A block on a fixed floor under a plate, with options of its own last."""
+    return ["-scene", "custom", "-options_file", "FILES/custom.opts", "-output_dir",
+            f"OUT/custom_{directory}", *arguments]
+
+
 # Arguments and what the message must say. FILES/ is the directory of the files below, OUT/ one for
 # results.
 CASES = [
@@ -117,8 +123,62 @@ CASES = [
      ["-sand_kappa 0.02", "no effect", "-sand_bulk log"]),
     (point("sand6", "-sand_d0", "1.3"), ["-sand_d0 1.3", "1.24", "-sand_Mc"]),
     (point("sand7", "-sand_poisson", "0.5"), ["-sand_poisson 0.5", "< 0.5"]),
+    # a problem put together by options
+    (["-scene", "custom"], ["-domain", "is required"]),
+    (custom(1, "-region_soil_layer", "0,1"), ["-region_soil_layer", "beside -region_soil_box"]),
+    (custom(2, "-region_sand_box", "0,0,1,1"), ["-region_sand_box", "unknown", "-region_soil_box"]),
+    (custom(3, "-regions", "soil,rock", "-region_rock_box", "0,0,1,0.2"),
+     ["-region_rock_material", "is required"]),
+    (custom(4, "-regions", "soil,soil"), ["-regions", "'soil' twice"]),
+    (custom(5, "-regions", "soil,top soil"), ["-regions", "'top soil'"]),
+    (custom(6, "-region_soil_box", "0,0,1"), ["-region_soil_box", "3 numbers", "x0,y0,x1,y1"]),
+    (custom(7, "-region_soil_box", "0,1,1,0"), ["-region_soil_box", "not below"]),
+    (custom(8, "-region_soil_box", "7,0,8,1"), ["no cell", "particle"]),
+    (custom(37, "-regions", "soil,rock", "-region_rock_box", "3,0,4,1", "-region_rock_material",
+            "elastic"), ["-regions", "rock holds no particle"]),
+    (custom(9, "-region_soil_material", "clay"), ["-region_soil_material", "clay", "sand"]),
+    (custom(10, "-region_soil_von_mises_density", "1"), ["-region_soil_von_mises", "unknown"]),
+    (custom(11, "-walls", "roller,roller,fixed"), ["-walls", "3", "4", "left,right,bottom,top"]),
+    (custom(12, "-walls", "roller,roller,fixed,open"), ["-walls", "'open'", "roller"]),
+    (custom(13, "-walls", "roller,roller,free,free"), ["-walls", "bottom", "free"]),
+    (custom(14, "-cell_size", "0.3"), ["-cell_size 0.3", "-fine_box"]),
+    (custom(15, "-domain", "0,0,1"), ["-domain", "3 numbers", "4"]),
+    (custom(16, "-dimension", "3"), ["-domain", "4 numbers", "6"]),
+    (custom(17, "-stage_run_until", "soon"), ["-stage_run_until soon", "rest", "BODY:DISTANCE"]),
+    (custom(18, "-stage_run_until", "plat:0.1"), ["-stage_run_until", "plat", "allowed are plate"]),
+    (custom(19, "-stage_run_until", "plate:0.1"), ["plate:0.1", "does not move"]),
+    (custom(20, "-stages", "rest,run"), ["-stage_rest_until", "is required"]),
+    (custom(21, "-body_plate_velocity", "0,0,1"), ["-body_plate_velocity", "3 numbers", "2"]),
+    (custom(22, "-body_plate_ramp", "0.1"), ["-body_plate_ramp", "without a velocity"]),
+    (custom(23, "-body_plate_motion", "FILES/none.csv"), ["-body_plate_motion", "is not a file"]),
+    (custom(24, "-body_plate_motion", "FILES/motion.csv"), ["motion.csv:2", "'fast'"]),
+    (custom(25, "-body_plate_friction_law", "rough", "-body_plate_friction", "0.3"),
+     ["-body_plate_friction", "no effect"]),
+    (custom(26, "-loads", "snow"), ["-loads", "snow", "-load_snow_top"]),
+    (custom(27, "-loads", "snow", "-load_snow_top", "1e3", "-load_snow_box", "5,5,6,6"),
+     ["-load_snow_top", "no soil"]),
+    (custom(28, "-loads", "snow", "-load_snow_front", "1e3"), ["-load_snow_front", "no such side"]),
+    (custom(29, "-watch", "0.1,0.2,0.3"), ["-watch", "3 numbers"]),
+    (custom(30, "-counted_stage", "push"), ["-counted_stage push", "run"]),
+    (custom(31, "-region_soil_polygon", "0,0,1,1,1,0,0,1"), ["-region_soil_polygon"]),
+    (custom(32, "-fine_box", "0,0,3,1"), ["-fine_box", "not within"]),
+    (custom(33, "-lines_x", "FILES/motion.csv"), ["-lines_x", "motion.csv:2"]),
+    (custom(34, "-region_soil_K0", "-1"), ["-region_soil_K0 -1"]),
+    (custom(35, "-region_soil_stress", "1,2,3"), ["-region_soil_stress", "3 numbers", "4"]),
+    (custom(36, "-body_plate_contour", "0.2,0.1"), ["-body_plate_contour", "nearer"]),
 ]
 FILES = {
+    "custom.opts": b"""-domain 0,0,1,1
+-cell_size 0.1
+-walls roller,roller,fixed,free
+-regions soil
+-region_soil_box 0,0,1,0.5
+-region_soil_material elastic
+-bodies plate
+-body_plate_box 0.2,0.6,0.8,0.7
+-stage_run_until 0.01
+""",
+    "motion.csv": b"0 0 0\n1 fast 0\n",
     "plain.opts": b"-scene mms1d\n-cells 32\n",
     "twice.opts": b"-scene mms1d\n-cells 32\n# again\n-cells 64\n",
     "nested.opts": b"-scene mms1d\n-options_file plain.opts\n",

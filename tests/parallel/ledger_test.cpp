@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "mpm/contact/RigidContact.hpp"
+#include "mpm/geometry/HalfSpace.hpp"
 #include "mpm/material/NeoHookean.hpp"
 #include "mpm/material/VonMises.hpp"
 #include "support/Scenes.hpp"
@@ -246,7 +247,7 @@ struct SlidingBlock {
   static constexpr double cell = 0.1, bottom = 0.3, rho = 1900.0;
 
   explicit SlidingBlock(double plane_velocity) : simulation(setup()) {
-    body = test::rigid_body<2>(contact::HalfSpace<2>({0.0, 1.0}), {0.0, bottom},
+    body = test::rigid_body<2>(geometry::HalfSpace<2>({0.0, 1.0}), {0.0, bottom},
                                {plane_velocity, 0.0});
     simulation.add_constraint(std::make_shared<contact::RigidContact<2>>(
         simulation.grid(), simulation.walls(), simulation.step().point_deposit(), body,

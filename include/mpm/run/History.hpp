@@ -30,6 +30,8 @@ struct HistoryTable {
   std::size_t columns_before_clock = std::numeric_limits<std::size_t>::max();
   bool has_first_row = false;  ///< one before the first step of the main stage
   bool has_last_row = false;   ///< one when the run is over
+  /// The ledger of momentum and energy in the last columns: see docs/ledger.md.
+  bool has_ledger = false;
 };
 
 /// Writes a row of a table whenever it is due, and keeps it. Adds dt_s and step.
@@ -55,7 +57,7 @@ class History : public Observer<dim> {
  private:
   template <class Value>
   void insert_clock(std::vector<Value>& row, const std::array<Value, 2>& clock) const;
-  void open();
+  void open(const Moment<dim>& moment);
   void write_row(const Moment<dim>& moment);
 
   HistoryTable<dim> m_table;

@@ -190,7 +190,8 @@ run::HistoryTable<dim> CustomCase<dim>::history() {
           .columns = m_rows->columns(),
           .row = [this](const Now& now) { return m_rows->row(now); },
           .cadence = by_progress.or_every(m_custom.run.history_every),
-          .columns_before_clock = Rows<dim>::of_time};
+          .columns_before_clock = Rows<dim>::of_time,
+          .has_ledger = true};
 }
 
 template <int dim>
