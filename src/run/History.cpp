@@ -17,7 +17,7 @@ void History<dim>::open(const Moment<dim>& moment) {
   if (m_table.has_ledger)
     for (const auto& [name, value] : solver::entries(moment.simulation.ledger()))
       columns.push_back("ledger_" + name);
-  m_file = std::make_unique<io::CsvFile>(m_table.path, columns);
+  m_file = std::make_unique<io::CsvFile>(m_table.path, columns, moment.simulation.communicator());
 }
 
 template <int dim>

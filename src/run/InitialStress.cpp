@@ -38,7 +38,7 @@ void prescribe_stress(solver::Simulation<dim>& simulation,
     }
     refused = refusal(simulation.particles(), view);
   }
-  if (petsc::maximum(refused.empty() ? 0.0 : 1.0) > 0.0)
+  if (simulation.communicator().maximum(refused.empty() ? 0.0 : 1.0) > 0.0)
     throw BadInput(fmt::format("the soil cannot bear its initial stress{}{}",
                                refused.empty() ? "" : ": ", refused));
 }

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <system_error>
 
-#include "mpm/petsc/Session.hpp"
 
 namespace mpm::run {
 namespace {
@@ -35,9 +34,8 @@ bool writes_to_terminal() {
 
 }  // namespace
 
-Progress::Progress(ProgressDisplay display) : m_terminal(writes_to_terminal()) {
-  m_shown = petsc::is_root() && display != ProgressDisplay::off;
-}
+Progress::Progress(ProgressDisplay display, bool is_root)
+    : m_shown(is_root && display != ProgressDisplay::off), m_terminal(writes_to_terminal()) {}
 
 void Progress::print_line(const std::string& line, const char* ending) const {
   if (m_terminal)

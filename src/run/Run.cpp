@@ -9,7 +9,6 @@
 #include "mpm/core/Errors.hpp"
 #include "mpm/core/Simd.hpp"
 #include "mpm/petsc/Log.hpp"
-#include "mpm/petsc/Session.hpp"
 #include "mpm/run/InitialStress.hpp"
 
 namespace mpm::run {
@@ -36,7 +35,7 @@ Run<dim>::Run(const RunOptions& options, Problem<dim> problem)
       m_problem(std::move(problem)),
       m_simulation(m_problem.setup),
       m_output(options.output_dir),
-      m_progress(options.progress),
+      m_progress(options.progress, m_simulation.communicator().is_root()),
       m_times_left(options.particle_output_times) {
   check_counted_stage();
   std::sort(m_times_left.begin(), m_times_left.end());
@@ -221,8 +220,8 @@ void Run<dim>::persist(Archive& archive) {
 template <int dim>
 void Run<dim>::summarise(io::Summary& summary) const {
   const auto particles = static_cast<double>(m_simulation.particles().global_count());
-  const double seconds = petsc::maximum(m_seconds_in_steps);
-  summary.set("ranks", petsc::world_size());
+  const double seconds = m_simulation.communicator().maximum(m_seconds_in_steps);
+  summary.set("ranks", m_simulation.communicator().size());
   summary.set("instruction_set", std::string(simd::instruction_set));
   summary.set("courant", m_options.courant());
   summary.set("cells", m_simulation.grid().global_cells());
@@ -236,7 +235,7 @@ void Run<dim>::summarise(io::Summary& summary) const {
   summary.set("particle_updates_per_s",
               seconds > 0.0 ? particles * static_cast<double>(m_clock.step) / seconds : 0.0);
   summary.set("bytes_per_particle", m_simulation.particles().bytes_per_particle());
-  summary.set("peak_memory_bytes", petsc::sum(peak_memory_bytes()));
+  summary.set("peak_memory_bytes", m_simulation.communicator().sum(peak_memory_bytes()));
   summary.set("mass_kg", m_simulation.total_mass());
   summary.set("mass_change_share", m_simulation.total_mass() / m_initial_mass - 1.0);
   const Vector<dim> momentum = m_simulation.momentum();

@@ -406,8 +406,7 @@ TEST(Ledger, goes_on_from_what_was_saved) {
   const auto saved = block.simulation.ledger(), back = other.simulation.ledger();
   EXPECT_NE(saved.friction_work.value(), 0.0);
   EXPECT_EQ(back.friction_work.value(), saved.friction_work.value());
-  const double now = saved.strain_change.value();
-  EXPECT_NE(back.strain_change.value(), now);  // of other particles, against the same start
+  EXPECT_LT(back.strain_change.value(), 0.0);  // unstressed, against the start of a settled block
   EXPECT_EQ(back.internal_work, saved.internal_work);
 }
 

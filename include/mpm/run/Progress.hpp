@@ -8,10 +8,10 @@
 namespace mpm::run {
 
 /// The progress line of a stage: share done, status, steps per second, time left. Renews itself
-/// on a terminal; in a log a plain line each tenth of the stage. Rank 0 prints.
+/// on a terminal; in a log a plain line each tenth of the stage. The first rank prints.
 class Progress {
  public:
-  explicit Progress(ProgressDisplay display);
+  Progress(ProgressDisplay display, bool is_root);
 
   void begin(const std::string& stage, long long step);
   void update(double share_done, long long step, const std::string& status);

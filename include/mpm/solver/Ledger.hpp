@@ -70,8 +70,7 @@ template <int dim>
 struct LedgerReport {
   std::vector<Cause<dim>> causes;
   double internal_work = 0.0;  ///< J, of the stresses on the grid; negative where they take it up
-  std::optional<double>
-      strain_change;  ///< J, of the particles' strain energy, if all laws have one
+  std::optional<double> strain_change;  ///< J, of the particles, if all laws have strain energy
   /// J, what the stresses have taken up beyond that, positive: -internal_work - strain_change. All
   /// errors of stress integration and of volumes are in it.
   std::optional<double> plastic_work;
