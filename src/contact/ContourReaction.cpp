@@ -77,7 +77,8 @@ void ContourReaction<dim>::sample_surface(const particles::BoundaryView<dim>& bo
     if (place.distance >= m_band.outer) continue;
     const double chi = cutoff(share_of_band(place.distance)).value;
     Vector<dim> impulse;
-    for (int d = 0; d < dim; ++d) impulse[d] = -boundary.pressure[b] * boundary.area[d][b] * chi * dt;
+    for (int d = 0; d < dim; ++d)
+      impulse[d] = -boundary.pressure[b] * boundary.area[d][b] * chi * dt;
     add(m_force_time, body.from_reference(x), impulse);
   }
 }
@@ -98,8 +99,8 @@ BodyForce<dim> ContourReaction<dim>::take_mean(const petsc::Communicator& commun
   for (int d = 0; d < dim; ++d)
     mean.force[d] = mean_of(m_force_time.force[d], m_momentum.force[d], m_first_momentum.force[d],
                             communicator);
-  mean.moment = mean_of(m_force_time.moment, m_momentum.moment, m_first_momentum.moment,
-                        communicator);
+  mean.moment =
+      mean_of(m_force_time.moment, m_momentum.moment, m_first_momentum.moment, communicator);
   m_force_time = {};
   m_has_start = true;
   m_time = 0.0;

@@ -31,8 +31,7 @@ double twice_area(const std::vector<Vector<2>>& corners) {
 Vector<2> nearest_on(const Vector<2>& begin, const Vector<2>& end, const Vector<2>& x) {
   const Vector<2> along = difference(end, begin), from = difference(x, begin);
   const double square = along[0] * along[0] + along[1] * along[1];
-  const double share =
-      std::clamp((from[0] * along[0] + from[1] * along[1]) / square, 0.0, 1.0);
+  const double share = std::clamp((from[0] * along[0] + from[1] * along[1]) / square, 0.0, 1.0);
   return {begin[0] + share * along[0], begin[1] + share * along[1]};
 }
 

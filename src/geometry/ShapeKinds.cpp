@@ -52,8 +52,7 @@ std::unique_ptr<Shape<2>> polygon(Numbers numbers) {
   if (numbers.size() % 2 != 0)
     throw BadInput(fmt::format("{} numbers are no pairs", numbers.size()));
   std::vector<Vector<2>> corners;
-  for (std::size_t k = 0; k < numbers.size(); k += 2)
-    corners.push_back(vector_from<2>(numbers, k));
+  for (std::size_t k = 0; k < numbers.size(); k += 2) corners.push_back(vector_from<2>(numbers, k));
   return std::make_unique<Polygon>(std::move(corners));
 }
 
@@ -61,8 +60,8 @@ template <int dim>
 std::unique_ptr<Shape<dim>> layer(Numbers numbers) {
   need(numbers, 2);
   if (!(numbers[0] < numbers[1]))
-    throw BadInput(fmt::format("its lower side {} is not below its upper one {}", numbers[0],
-                               numbers[1]));
+    throw BadInput(
+        fmt::format("its lower side {} is not below its upper one {}", numbers[0], numbers[1]));
   Vector<dim> lower, upper;
   lower.fill(-std::numeric_limits<double>::infinity());
   upper.fill(std::numeric_limits<double>::infinity());

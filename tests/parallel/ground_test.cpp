@@ -69,9 +69,8 @@ TEST(SurfacePieces, make_up_the_faces_of_a_block) {
       },
       [](const auto&) { return 3; }};
   double area = 0.0, load = 0.0;
-  for (const auto& piece : particles::surface_pieces<2>({line, line}, block, 3, [](const auto& x) {
-         return x[0] > 1.0 ? 700.0 : 0.0;
-       })) {
+  for (const auto& piece : particles::surface_pieces<2>(
+           {line, line}, block, 3, [](const auto& x) { return x[0] > 1.0 ? 700.0 : 0.0; })) {
     EXPECT_EQ(piece.area[0], 0.0);
     EXPECT_NEAR(piece.anchor[1] + piece.offset[1], 1.2, 1e-14);
     area += piece.area[1];
@@ -79,8 +78,8 @@ TEST(SurfacePieces, make_up_the_faces_of_a_block) {
   }
   EXPECT_NEAR(area, 0.6, 1e-13);
   EXPECT_NEAR(load, 420.0, 1e-10);
-  for (const auto& piece : particles::surface_pieces<2>({line, line}, block, 0,
-                                                        [](const auto&) { return 1.0; })) {
+  for (const auto& piece :
+       particles::surface_pieces<2>({line, line}, block, 0, [](const auto&) { return 1.0; })) {
     EXPECT_NEAR(piece.anchor[0] + piece.offset[0], 0.4, 1e-14);
     EXPECT_LT(piece.area[0], 0.0);
   }

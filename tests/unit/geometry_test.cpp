@@ -59,8 +59,7 @@ TEST(Shape, vertical_lines_cross_the_surface_where_inside_and_outside_meet) {
     const std::vector<double> heights = shape.crossings(x);
     for (const double height : heights)
       EXPECT_NEAR(shape.locate({x[0], height}).distance, 0.0, 1e-14);
-    const auto above =
-        std::ranges::count_if(heights, [&](double height) { return height > x[1]; });
+    const auto above = std::ranges::count_if(heights, [&](double height) { return height > x[1]; });
     const bool top_is_inside = shape.locate({x[0], 1e3}).distance < 0.0;
     EXPECT_EQ(shape.locate(x).distance < 0.0, (above % 2 == 1) != top_is_inside);
   });

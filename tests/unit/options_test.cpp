@@ -712,8 +712,11 @@ struct Pumps {
 
   Pumps() {
     options.names("pumps", names, {"", "What pumps there are.", "chosen"});
-    options.opens([this] { for (const auto& name : names) declare(name); },
-                  [this] { declare("NAME"); });
+    options.opens(
+        [this] {
+          for (const auto& name : names) declare(name);
+        },
+        [this] { declare("NAME"); });
   }
   void declare(const std::string& name) {
     options.prefixed("pump_" + name + "_", [&] {
@@ -724,8 +727,11 @@ struct Pumps {
       const auto declare_voltage = [this, &pump] {
         options.real("voltage", pump.voltage, positive(), {"V", "Voltage.", "chosen"});
       };
-      options.opens([&pump, declare_voltage] { if (pump.is_electric) declare_voltage(); },
-                    declare_voltage);
+      options.opens(
+          [&pump, declare_voltage] {
+            if (pump.is_electric) declare_voltage();
+          },
+          declare_voltage);
     });
   }
 };
@@ -744,8 +750,8 @@ TEST(OptionSet, what_a_list_names_has_options_of_its_own) {
 }
 
 TEST(OptionSet, options_that_nothing_opened_are_unknown) {
-  for (const Given& wrong : {Given{"pump_c_power", "7.5", "here"},
-                             Given{"pump_a_voltage", "400", "here"}}) {
+  for (const Given& wrong :
+       {Given{"pump_c_power", "7.5", "here"}, Given{"pump_a_voltage", "400", "here"}}) {
     Pumps set;
     const std::vector<Given> given{{"pumps", "a", "here"}, wrong};
     EXPECT_THROW(set.options.assign(given), BadInput);
