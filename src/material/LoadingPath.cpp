@@ -196,7 +196,7 @@ class PathReader {
 }  // namespace
 
 std::vector<PathLeg> read_path(const std::string& text, const std::string& name) {
-  return PathReader(name).read(text);
+  return PathReader(name).read(std::string(options::without_byte_order_mark(text)));
 }
 
 std::vector<PathLeg> read_path_file(const std::string& path) {

@@ -14,7 +14,7 @@ namespace mpm::options {
 namespace {
 
 constexpr std::uintmax_t largest_file = 1 << 24;
-constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets write it
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 std::vector<double> numbers_of(std::string line, const std::string& place) {
   line.resize(std::min(line.find('#'), line.size()));
@@ -46,8 +46,11 @@ std::string read_input_file(std::string_view option, const std::string& path) {
   text << file.rdbuf();
   if (!file) refuse("cannot be read");
   if (text.str().find('\0') != std::string::npos) refuse("is not a text file");
-  const std::string all = text.str();
-  return all.starts_with(byte_order_mark) ? all.substr(byte_order_mark.size()) : all;
+  return std::string(without_byte_order_mark(text.str()));
+}
+
+std::string_view without_byte_order_mark(std::string_view text) {
+  return text.starts_with(byte_order_mark) ? text.substr(byte_order_mark.size()) : text;
 }
 
 std::vector<NumberLine> read_number_lines(std::string_view option, const std::string& path) {

@@ -11,6 +11,9 @@ namespace mpm::options {
 /// is no file, larger than 16 MB, unreadable or not text.
 std::string read_input_file(std::string_view option, const std::string& path);
 
+/// The text after the mark that spreadsheets put at the beginning.
+std::string_view without_byte_order_mark(std::string_view text);
+
 /// Finite numbers of one line of a file.
 struct NumberLine {
   std::size_t line;  ///< from 1
