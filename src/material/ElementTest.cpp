@@ -75,11 +75,11 @@ MaterialPoint::MaterialPoint(const Material& material, double pressure) : m_mate
         pressure));
 }
 
-double MaterialPoint::state(std::string_view name) const {
+std::optional<double> MaterialPoint::state(std::string_view name) const {
   const auto variables = m_material.state_variables();
   for (std::size_t k = 0; k < variables.size(); ++k)
     if (variables[k].name == name) return m_state[k];
-  return 0.0;
+  return std::nullopt;
 }
 
 double MaterialPoint::number_of_steps(const MixedIncrement& increment) const {
@@ -260,7 +260,7 @@ ElementTestRow observe(const MaterialPoint& point, ElementTestKind kind) {
           .q = q,
           .p = p,
           .volumetric_strain = 0.0 - trace(point.strain()),  // no negative zero
-          .void_ratio = point.state("void_ratio"),
+          .void_ratio = point.state("void_ratio").value_or(0.0),
           .lode_angle_deg = lode_angle_deg(s, q, p),
           .stress = point.stress(),
           .strain = point.strain()};

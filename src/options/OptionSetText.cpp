@@ -34,12 +34,6 @@ std::string joined(std::string_view first, std::string_view separator, std::stri
   return fmt::format("{}{}{}", first, first.empty() || second.empty() ? "" : separator, second);
 }
 
-std::string table_cell(std::string_view text) {
-  std::string cell;
-  for (const char c : text) cell += c == '|' ? std::string("\\|") : std::string(1, c);
-  return cell;
-}
-
 std::string unit_of(const About& about) {
   return about.is_dimensionless() ? "-" : about.unit;
 }
@@ -85,22 +79,6 @@ std::string OptionSet::help() const {
   head_width = std::min(head_width, widest_head);
   return by_section([](const std::string& title) { return title + "\n"; },
                     [=](const Option& o) { return help_entry(o, head_width, unit_width); });
-}
-
-std::string OptionSet::markdown() const {
-  const auto heading = [](const std::string& title) {
-    return fmt::format(
-        "## {}\n\n| option | default | unit | allowed | meaning | source |\n"
-        "|---|---|---|---|---|---|\n",
-        title);
-  };
-  const auto row = [](const Option& option) {
-    return fmt::format("| `-{}` | {} | {} | {} | {} | {} |\n", option.name,
-                       table_cell(option.initial), table_cell(unit_of(option.about)),
-                       table_cell(option.allowed), table_cell(option.about.sentence),
-                       table_cell(option.about.source));
-  };
-  return by_section(heading, row);
 }
 
 std::string OptionSet::used_line(const Option& option) {

@@ -200,7 +200,7 @@ TEST(MohrCoulomb, simple_shear_at_constant_volume_presses_by_dilating) {
     EXPECT_NEAR(point.stress()[zz], -p - lambda * pressing, 1e-5 * p);
     EXPECT_NEAR(point.stress()[xy], at_yield + 2 * mu * (more - multiplier * (m + 1) / 2),
                 1e-5 * p);
-    EXPECT_NEAR(point.state("plastic_strain"),
+    EXPECT_NEAR(*point.state("plastic_strain"),
                 multiplier * std::sqrt(2.0 / 3 * (m * m + 1 - (m - 1) * (m - 1) / 3)), 1e-9);
   }
 }

@@ -416,22 +416,12 @@ TEST(Options, help_fits_in_100_columns) {
   EXPECT_TRUE(says(without_line_ends(sample.options.help()), {"docs/model.md]"}));
 }
 
-TEST(Options, markdown_has_a_table_for_each_section) {
-  const Sample sample;
-  const std::string text = sample.options.markdown();
-  EXPECT_TRUE(says(text, {"## Run\n\n| option | default | unit | allowed | meaning | source |\n"
-                          "|---|---|---|---|---|---|\n| `-scene` | required |"}));
-  EXPECT_TRUE(says(text, {"\n\n## Pipe\n\n| option"}));
-  EXPECT_TRUE(says(text, {"| `-confining_pressure` | 250000 | Pa | real, > 0 | Pressure at the "
-                          "start. | Table 3 |\n"}));
-  EXPECT_TRUE(says(text, {"| linear \\| quadratic \\| cubic |"}));
-}
-
-TEST(Options, markdown_and_help_show_defaults_not_given_values) {
+TEST(Options, pages_and_help_show_defaults_not_given_values) {
   Sample sample;
   sample.assign("courant", "0.7");
   EXPECT_TRUE(says(sample.options.help(), {"-courant <0.4>"}));
-  EXPECT_TRUE(says(sample.options.markdown(), {"| `-courant` | 0.4 |"}));
+  const std::vector<Row> rows = sample.options.rows();
+  EXPECT_EQ(std::ranges::find(rows, "courant", &Row::name)->initial, "0.4");
 }
 
 TEST(Options, values_are_the_present_ones_in_declared_order) {

@@ -40,8 +40,8 @@ class MaterialPoint {
 
   const SymmetricTensor& stress() const { return m_stress; }  ///< Pa, tension positive
   const SymmetricTensor& strain() const { return m_strain; }  ///< logarithmic, tension positive
-  /// Present value of a state variable, 0 for a law without it.
-  double state(std::string_view name) const;
+  /// Present value of a state variable; none for a law without it.
+  std::optional<double> state(std::string_view name) const;
 
  private:
   struct Response {

@@ -93,8 +93,6 @@ class OptionSet {
 
   /// Aligned plain text for -help.
   std::string help() const;
-  /// Markdown tables for the reference page.
-  std::string markdown() const;
   /// Every option in declared order, for pages that compare several sets.
   std::vector<Row> rows() const;
   /// Every option with its present value as an options file that reproduces the run.
