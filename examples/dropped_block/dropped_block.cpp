@@ -48,7 +48,8 @@ int main() {
   solver::Simulation<2> block(block_above_plane(MPI_COMM_WORLD));
   const auto ground = cases::ground(plane);
   block.add_constraint(cases::contact_of(
-      block, ground, {.detection = contact::Detection::particle, .reference_density = density}));
+      block, ground,
+      {.detection = contact::detection_named("particle"), .reference_density = density}));
 
   run_until(0.2, block);
   bool right = agree("height in flight, m:", mean_height(block), start - 0.5 * g * 0.2 * 0.2);

@@ -163,7 +163,7 @@ class Gap : public GridCase<2> {
   std::shared_ptr<contact::RigidBody<2>> m_plane;
   std::shared_ptr<Approach> m_approach;
   Shape m_shape = Shape::block;
-  contact::Detection m_detection = contact::Detection::particle;
+  std::size_t m_detection = contact::detection_named("particle");
   double m_gap_cells = 0.6;
   std::int64_t m_cells = 20;
   double m_offset = 0.0;

@@ -323,7 +323,7 @@ class Hertz : public GridCase<2> {
 
   std::shared_ptr<contact::RigidBody<2>> m_body;
   std::shared_ptr<RecordedPlane> m_plane;
-  contact::Detection m_detection = contact::Detection::particle;
+  std::size_t m_detection = contact::detection_named("particle");
   double m_gap_cells = 0.6;
   std::int64_t m_cells = 67;
   double m_radius = 8.0;

@@ -58,8 +58,8 @@ class Incline : public GridCase<2> {
     options.real("gravity", m_gravity, options::positive(), {"m/s^2", "downward", "chosen"});
     options.choice("contact_detection", m_detection,
                    {{"auto", std::nullopt},
-                    {"gap", contact::Detection::gap},
-                    {"particle", contact::Detection::particle}},
+                    {"gap", contact::detection_named("gap")},
+                    {"particle", contact::detection_named("particle")}},
                    {"",
                     "bodies touch on nodes at or below the plane (gap), or on those if most "
                     "particles beside it there touch it (particle); auto takes gap for the block, "
@@ -80,9 +80,9 @@ class Incline : public GridCase<2> {
   double length() const { return m_shape == Shape::disc ? height : 2.0 * height; }  // m
   double cell() const { return height / static_cast<double>(m_cells); }
   double plane_height() const { return 4 * cell(); }
-  contact::Detection detection() const {
-    return m_detection.value_or(m_shape == Shape::disc ? contact::Detection::particle
-                                                       : contact::Detection::gap);
+  std::size_t detection() const {
+    return m_detection.value_or(
+        contact::detection_named(m_shape == Shape::disc ? "particle" : "gap"));
   }
   Vector<2> start() const { return {4 * cell() + 0.5 * length(), plane_height() + 0.5 * height}; }
   double radians() const { return m_angle * std::numbers::pi / 180.0; }
@@ -183,7 +183,7 @@ class Incline : public GridCase<2> {
 
   std::shared_ptr<Slide> m_slide;
   Shape m_shape = Shape::block;
-  std::optional<contact::Detection> m_detection;
+  std::optional<std::size_t> m_detection;
   std::int64_t m_cells = 5;
   double m_angle = 35.0;
   double m_friction = 0.4;

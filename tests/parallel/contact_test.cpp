@@ -272,7 +272,7 @@ std::vector<Vector<2>> points_of_circle(double radius, double spacing) {
 TEST(Contact, gradient_normals_of_a_circle_are_radial) {
   const double radius = 0.41, spacing = 0.25 * h;
   const auto circle = test::rigid_body<2>(Ball<2>(radius), {0.63, 0.67});
-  Nodes<2> nodes(circle, {.detection = Detection::gap,
+  Nodes<2> nodes(circle, {.detection = detection_named("gap"),
                           .normal = Normal::gradient,
                           .gap_cells = 0.6,
                           .reference_density = density});
@@ -343,9 +343,9 @@ struct BlockOnPlane {
 };
 
 const std::array<ContactOptions, 3> all_kinds{
-    ContactOptions{.detection = Detection::gap, .gap_cells = 0.6},
-    ContactOptions{.detection = Detection::velocity, .normal = Normal::surface},
-    ContactOptions{.detection = Detection::velocity, .normal = Normal::gradient}};
+    ContactOptions{.detection = detection_named("gap"), .gap_cells = 0.6},
+    ContactOptions{.detection = detection_named("velocity"), .normal = Normal::surface},
+    ContactOptions{.detection = detection_named("velocity"), .normal = Normal::gradient}};
 
 TEST(Contact, a_block_at_rest_presses_with_its_weight) {
   for (const ContactOptions& options : all_kinds) {

@@ -25,7 +25,8 @@ struct BlockAbovePlane {
     const auto plane = test::rigid_body<2>(HalfSpace<2>({0.0, 1.0}), {0.0, plane_height});
     contact = std::make_shared<RigidContact<2>>(
         simulation.grid(), simulation.walls(), simulation.step().point_deposit(), plane,
-        ContactOptions{.detection = Detection::particle, .reference_density = test::soft.density});
+        ContactOptions{.detection = detection_named("particle"),
+                       .reference_density = test::soft.density});
     contact->watch(simulation.particles());
     simulation.add_constraint(contact);
   }

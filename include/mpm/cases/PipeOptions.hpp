@@ -33,7 +33,7 @@ struct PipeOptions {
   double far_cell_ratio = 1.0;
   Symmetry symmetry = Symmetry::automatic;
 
-  contact::Detection detection = contact::Detection::gap;
+  std::size_t detection = contact::detection_named("gap");
   contact::Normal normal = contact::Normal::surface;
   double gap_cells = 0.6;
   std::optional<double> friction;

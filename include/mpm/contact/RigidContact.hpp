@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mpm/contact/Detection.hpp"
 #include "mpm/contact/Friction.hpp"
 #include "mpm/contact/RigidBody.hpp"
 #include "mpm/grid/Constraint.hpp"
@@ -15,13 +16,6 @@
 
 namespace mpm::contact {
 
-/// When two bodies count as touching.
-enum class Detection {
-  velocity,  ///< as soon as they share a node and approach each other (the paper)
-  gap,       ///< when the node is nearer to the surface than a share of a cell
-  particle   ///< when, besides, most particles beside the surface at this node touch it
-};
-
 /// Where the contact normal comes from.
 enum class Normal {
   surface,  ///< the rigid surface itself
@@ -29,7 +23,7 @@ enum class Normal {
 };
 
 struct ContactOptions {
-  Detection detection = Detection::gap;
+  std::size_t detection = detection_named("gap");  ///< row of detection_kinds()
   Normal normal = Normal::surface;
   double gap_cells = 0.6;          ///< largest distance of a touching node, in cells
   double friction = 0.0;           ///< Coulomb coefficient mu
@@ -49,8 +43,13 @@ class RigidContact : public grid::Constraint<dim> {
                const transfer::PointDeposit<dim>& deposit, std::shared_ptr<RigidBody<dim>> body,
                const ContactOptions& options);
 
+  RigidContact(const RigidContact&) = delete;
+  RigidContact& operator=(const RigidContact&) = delete;
+
   /// Fills the rigid body with points, needed where contact is found through its nodal mass.
-  void discretise(std::vector<Vector<dim>> points_from_reference, double volume_of_each);
+  void discretise(std::vector<Vector<dim>> points_from_reference, double volume_of_each) {
+    m_rigid_mass.fill(std::move(points_from_reference), volume_of_each);
+  }
 
   /// The deformable body, needed where contact is found through its particles; must outlive this.
   void watch(const particles::Particles<dim>& particles) { m_particles = &particles; }
@@ -58,7 +57,7 @@ class RigidContact : public grid::Constraint<dim> {
   RigidBody<dim>& body() { return *m_body; }
   const RigidBody<dim>& body() const { return *m_body; }
 
-  void look_at_particles() override;
+  void look_at_particles() override { m_detection->look_at_particles(); }
   void find_nodes() override;
   void constrain(const grid::Grid<dim>& grid, grid::ConstrainedNodes<dim>& nodes) override;
   bool spares_from_damping() const override { return true; }
@@ -66,16 +65,6 @@ class RigidContact : public grid::Constraint<dim> {
   grid::Booking<dim>& booking() override { return m_body->meter().booking(); }
 
  private:
-  void deposit_rigid_mass();
-  void deposit_votes();
-  bool is_near(const std::array<int, dim>& node, double distance) const;
-  void find_touching_nodes();
-  void find_near_nodes(const grid::Run<dim>& run);
-  void find_nodes_with_rigid_mass(const grid::Run<dim>& run);
-  /// Takes the node as one where the bodies touch, unless it has no normal.
-  void add_touching(int local, const std::array<int, dim>& node, const Vector<dim>& surface_normal);
-  std::optional<Vector<dim>> normal_at(int local, const Vector<dim>& surface_normal) const;
-
   /// A node where the bodies touch if they close in on each other.
   struct TouchingNode {
     int local;
@@ -83,22 +72,18 @@ class RigidContact : public grid::Constraint<dim> {
     Vector<dim> normal;
     Vector<dim> lever;  ///< from the body's reference point, m
   };
+  void add(const NearNode<dim>& near);
   void constrain(const TouchingNode& node, grid::ConstrainedNodes<dim>& nodes);
 
   const grid::Grid<dim>& m_grid;
-  const grid::Walls<dim>& m_walls;
-  const transfer::PointDeposit<dim>& m_deposit;
   std::shared_ptr<RigidBody<dim>> m_body;
   ContactOptions m_options;
   std::unique_ptr<FrictionLaw<dim>> m_friction;
-  std::vector<Vector<dim>> m_points;
-  double m_point_volume = 0.0;
-  grid::NodalField<dim> m_rigid_mass;  ///< nodal volume of the rigid body and its gradient
+  RigidMass<dim> m_rigid_mass;
   const particles::Particles<dim>* m_particles = nullptr;
-  std::vector<Vector<dim>> m_touching, m_missing;  ///< particles beside the surface
-  std::unique_ptr<grid::NodalField<dim>> m_votes;  ///< positive where most particles touch
-  double m_reach;                                  ///< largest distance of a near node, m
-  std::vector<TouchingNode> m_touching_nodes;      ///< of the present step
+  std::unique_ptr<Detection<dim>> m_detection;
+  std::vector<NearNode<dim>> m_near_nodes;     ///< of the present step
+  std::vector<TouchingNode> m_touching_nodes;  ///< of the present step
 };
 
 extern template class RigidContact<1>;

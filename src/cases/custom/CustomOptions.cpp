@@ -58,7 +58,8 @@ void BodyOptions::declare(options::OptionSet& set) {
       "friction_law", friction_law, laws,
       {"", "friction by a coefficient, or nothing slides while it touches", "docs/model.md"});
   set.choice("detection", detection,
-             {{"gap", contact::Detection::gap}, {"particle", contact::Detection::particle}},
+             {{"gap", contact::detection_named("gap")},
+              {"particle", contact::detection_named("particle")}},
              {"", "touching nodes: those near it, or of these those whose particles touch it",
               "docs/model.md"});
   set.real("gap_cells", gap_cells, {.minimum = 0.0, .maximum = 2.0},
