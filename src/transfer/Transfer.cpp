@@ -41,15 +41,6 @@ Vector<dim> sums(const PackVector<dim>& packs) {
   return sum;
 }
 
-template <int dim>
-Vector<dim> body_acceleration(const particles::ParticleView<dim>& particles,
-                              const BodyForce<dim>& body_force, int p) {
-  if (!body_force.at_reference_position) return body_force.uniform;
-  Vector<dim> X = particles.position_of(p);
-  for (int d = 0; d < dim; ++d) X[d] -= particles.displacement[d][p];
-  return body_force.at_reference_position(X);
-}
-
 }  // namespace
 
 template <int dim>
@@ -92,7 +83,7 @@ void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
   for (int p = 0; p < particles.count; ++p) {
     const double m_p = particles.mass[p];
     const Vector<dim> v_p = particles.velocity_of(p);
-    const Vector<dim> b = body_acceleration(particles, body_force, p);
+    const Vector<dim> b = body_force.on(particles, p);
     const SymmetricTensor V_sigma = particles.volume[p] * stress_of(particles, p);
     stencil.move_to(particles.position_of(p));
     stencil.for_each_row([&](std::ptrdiff_t I, Pack N, const PackVector<dim>& gradient) {
@@ -105,26 +96,6 @@ void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
       }
     });
   }
-}
-
-template <int dim, class Basis>
-double body_force_power(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
-                        const BodyForce<dim>& body_force, double dt,
-                        const VelocityAcceleration<dim>& nodes) {
-  double power = 0.0;
-  for (int p = 0; p < particles.count; ++p) {
-    const Vector<dim> b = body_acceleration(particles, body_force, p);
-    Pack sum{};
-    stencil.move_to(particles.position_of(p));
-    stencil.for_each_row([&](std::ptrdiff_t I, Pack N, const PackVector<dim>&) {
-      for (int d = 0; d < dim; ++d)
-        sum +=
-            b[d] * N *
-            (simd::load(nodes.velocity[d] + I) - 0.5 * dt * simd::load(nodes.acceleration[d] + I));
-    });
-    power += particles.mass[p] * simd::sum(sum);
-  }
-  return power;
 }
 
 template <int dim, class Basis>
@@ -365,9 +336,6 @@ void replace_volume_change(const particles::ParticleView<dim>& particles,
   template void deposit_mass_momentum_force<dim, Basis>(                                           \
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, const BodyForce<dim>&,             \
       MassMomentumForce<dim>);                                                                     \
-  template double body_force_power<dim, Basis>(const particles::ParticleView<dim>&,                \
-                                               Stencil<dim, Basis>, const BodyForce<dim>&, double, \
-                                               const VelocityAcceleration<dim>&);                  \
   template void update_velocities_and_deposit_momentum<dim, Basis>(                                \
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, double, double,                    \
       VelocityAcceleration<dim>, NodalVector<dim>);                                                \

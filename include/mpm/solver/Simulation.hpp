@@ -30,14 +30,14 @@ struct SimulationSetup {
   int particles_per_cell = 2;  ///< per direction: the extent of uGIMP's particles
   Scheme scheme = Scheme::musl;
   typename grid::Walls<dim>::Kinds walls{};
-  particles::Materials materials;
-  particles::Filling<dim> filling;
+  particles::Materials materials = {};
+  particles::Filling<dim> filling = {};
   Vector<dim> gravity{};  ///< m/s^2
   double courant = 0.9;   ///< share of h/(c + |v|)
   Transfer transfer = Transfer::flip;
   double flip_time = std::numeric_limits<double>::infinity();  ///< s, see StepOptions
   bool averages_volume = false;                                ///< see StepOptions
-  BalanceOptions balance;
+  BalanceOptions balance = {};
   /// The ranks that share the run; the caller's, see petsc::Communicator.
   petsc::Communicator communicator = petsc::world();
 };

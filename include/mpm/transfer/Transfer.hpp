@@ -70,6 +70,13 @@ struct BodyForce {
   /// Replaces the uniform one where set: a function of the undeformed position, which is the
   /// position less the displacement.
   std::function<Vector<dim>(const Vector<dim>&)> at_reference_position;
+
+  Vector<dim> on(const particles::ParticleView<dim>& particles, int p) const {
+    if (!at_reference_position) return uniform;
+    Vector<dim> X = particles.position_of(p);
+    for (int d = 0; d < dim; ++d) X[d] -= particles.displacement[d][p];
+    return at_reference_position(X);
+  }
 };
 
 /// What a sweep found out about particles that moved too far.
