@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -39,10 +40,13 @@ class ParticleDetection : public Detection<dim> {
   }
 
   void find(const grid::Run<dim>& run, std::vector<NearNode<dim>>& nodes) const override {
-    std::vector<NearNode<dim>> near;
-    m_near.find(run, near);
-    for (const NearNode<dim>& node : near)
-      if (m_votes.values(0)[node.local] > round_off) nodes.push_back(node);
+    const auto found_before = static_cast<std::ptrdiff_t>(nodes.size());
+    m_near.find(run, nodes);
+    const auto is_voted_down = [this](const NearNode<dim>& node) {
+      return !(m_votes.values(0)[node.local] > round_off);
+    };
+    nodes.erase(std::remove_if(nodes.begin() + found_before, nodes.end(), is_voted_down),
+                nodes.end());
   }
 
  private:

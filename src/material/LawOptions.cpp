@@ -1,6 +1,7 @@
 #include "mpm/material/LawOptions.hpp"
 
 #include "mpm/options/OptionSet.hpp"
+#include "mpm/options/TableChoice.hpp"
 
 namespace mpm::material {
 
@@ -9,10 +10,7 @@ LawOptions::LawOptions() {
 }
 
 void LawOptions::declare(options::OptionSet& set) {
-  std::vector<std::pair<std::string, std::size_t>> laws;
-  for (const MaterialKind& kind : material_kinds())
-    laws.emplace_back(std::string(kind.name), laws.size());
-  set.choice("material", m_law, laws,
+  set.choice("material", m_law, options::rows_by_name(material_kinds()),
              {"",
               "law of the table; its constants follow with the same prefix, named as in -scene "
               "material_point",

@@ -6,7 +6,6 @@
 #include "Rows.hpp"
 #include "mpm/cases/GridCase.hpp"
 #include "mpm/cases/RigidContactOf.hpp"
-#include "mpm/options/Nearest.hpp"
 #include "mpm/run/Endings.hpp"
 #include "mpm/run/History.hpp"
 

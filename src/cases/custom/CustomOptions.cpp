@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "Lists.hpp"
+#include "mpm/options/TableChoice.hpp"
 
 namespace mpm::cases::custom {
 namespace {
@@ -51,11 +52,8 @@ void BodyOptions::declare(options::OptionSet& set) {
             "chosen"});
   set.real("friction", friction, options::not_negative(),
            {"1", "Coulomb coefficient mu", "chosen"});
-  std::vector<std::pair<std::string, std::size_t>> laws;
-  for (const auto& kind : contact::friction_kinds())
-    laws.emplace_back(std::string(kind.name), laws.size());
   set.choice(
-      "friction_law", friction_law, laws,
+      "friction_law", friction_law, options::rows_by_name(contact::friction_kinds()),
       {"", "friction by a coefficient, or nothing slides while it touches", "docs/model.md"});
   set.choice("detection", detection,
              {{"gap", contact::detection_named("gap")},

@@ -16,7 +16,6 @@ class ShapeOptions {
 
   /// Declares them with the prefix in force.
   void declare(options::OptionSet& set);
-  bool is_given() const { return !given_kinds().empty(); }
   /// Throws BadInput where none or several are given, or the numbers make no such shape.
   template <int dim>
   std::unique_ptr<geometry::Shape<dim>> create() const;
