@@ -100,6 +100,7 @@ std::vector<typename Walls<dim>::Held> Walls<dim>::about_to_hold(const Grid<dim>
   std::vector<char> is_taken(static_cast<std::size_t>(dim * grid.local_size()), 0);
   for_each_held_node(grid, [&](int d, int side, int local) {
     for (int c = 0; c < dim; ++c) {
+      if (sums.values(0)[local] == 0.0 && sums.values(1 + dim + c)[local] == 0.0) continue;
       char& taken = is_taken[static_cast<std::size_t>(dim * local + c)];
       if (!is_held(d, side, {c}) || taken != 0) continue;
       taken = 1;

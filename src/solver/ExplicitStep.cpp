@@ -77,7 +77,8 @@ void ExplicitStep<dim, Basis>::deposit(const View& particles, const StepOptions<
   if constexpr (transfer::DualBasis<Basis>) find_mass(particles);
   const transfer::MassMomentumForce<dim> sums(m_sums);
   m_sums.set_active_to_zero();
-  transfer::deposit_mass_momentum_force<dim, Basis>(particles, stencil(), options.body_force, sums);
+  m_body_force.find(options.body_force, particles);
+  transfer::deposit_mass_momentum_force<dim, Basis>(particles, stencil(), m_body_force, sums);
   if (options.transfer == Transfer::apic)
     transfer::deposit_affine_momentum<dim, Basis>(particles, stencil(), sums.momentum);
   if (!m_parts.boundary.is_empty())
@@ -233,7 +234,7 @@ void ExplicitStep<dim, Basis>::update_momentum(const View& particles, const Step
   const petsc::Phase phase("mpm: update momentum");
   const transfer::MassMomentumForce<dim> sums(m_sums);
   const double dt = times.momentum_dt();
-  book_deposits(options, dt);
+  book_deposits(dt);
   m_folded = m_parts.walls.fold_sums(m_parts.grid, m_sums);
   invert_mass();
   m_parts.grid.for_each_active_run([&](int I, int count) {
@@ -248,10 +249,10 @@ void ExplicitStep<dim, Basis>::update_momentum(const View& particles, const Step
   compute_velocity_and_acceleration();
   book_walls(options.flip_share(dt), dt);
   book_constraints(dt);
-  book_work(options, dt);
+  book_work(dt);
   m_rates.copy_to_ghosts();
   if (!m_parts.boundary.is_empty()) book_loads_work(dt);
-  if (options.body_force.at_reference_position) book_body_force_work(particles, options, dt);
+  if (!m_body_force.is_uniform()) book_body_force_work(particles, dt);
 }
 
 template <int dim, class Basis>

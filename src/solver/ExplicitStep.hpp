@@ -52,12 +52,12 @@ class ExplicitStep : public Step<dim> {
   void constrain(grid::ConstrainedNodes<dim> nodes);
   void sum_unbalanced_force();
   // What a momentum update books, see StepLedger.cpp.
-  void book_deposits(const StepOptions<dim>& options, double dt);
+  void book_deposits(double dt);
   void book_walls(double flip_share, double dt);
   void book_constraints(double dt);
-  void book_work(const StepOptions<dim>& options, double dt);
+  void book_work(double dt);
   void book_loads_work(double dt);
-  void book_body_force_work(const View& particles, const StepOptions<dim>& options, double dt);
+  void book_body_force_work(const View& particles, double dt);
   double mean_velocity(int d, int I, double dt) const;
   using WallHolds = std::vector<typename grid::Walls<dim>::Held>;
   void apply_damping(double damping, double dt);
@@ -87,6 +87,7 @@ class ExplicitStep : public Step<dim> {
   grid::NodalField<dim> m_remapped;                        ///< momentum of Eq. 9, then its velocity
   std::unique_ptr<grid::NodalField<dim>> m_volume_change;  ///< volume and its change, if averaged
   std::unique_ptr<grid::NodalField<dim>> m_mass;           ///< for dual bases
+  transfer::ParticleBodyForce<dim> m_body_force;           ///< of the present step
   transfer::Increments m_increments;
   std::vector<double> m_inverse_mass;  ///< of the nodes of m_sums; 0 where there is no mass
   double m_unbalanced_force = 0.0;

@@ -1,9 +1,25 @@
-#include <numeric>
+#include <array>
 
 #include "ExplicitStep.hpp"
 #include "mpm/basis/Bases.hpp"
 
 namespace mpm::solver {
+namespace {
+
+/// Sum of term(first) and `count` - 1 terms after it, in four partial sums that are added side by
+/// side.
+template <class Term>
+double sum_over(int first, int count, const Term& term) {
+  std::array<double, 4> part{};
+  const int last = first + count, last_of_fours = first + count / 4 * 4;
+  for (int i = first; i < last_of_fours; i += 4)
+    for (int k = 0; k < 4; ++k) part[static_cast<std::size_t>(k)] += term(i + k);
+  for (int i = last_of_fours; i < last; ++i) part[0] += term(i);
+  return (part[0] + part[2]) + (part[1] + part[3]);
+}
+
+}  // namespace
+
 /// v_I of the middle of the step, with which works are taken.
 template <int dim, class Basis>
 double ExplicitStep<dim, Basis>::mean_velocity(int d, int I, double dt) const {
@@ -13,22 +29,23 @@ double ExplicitStep<dim, Basis>::mean_velocity(int d, int I, double dt) const {
 /// Impulses of gravity or another body force, and of loads: all that deposited forces sum up to,
 /// since internal ones sum to zero.
 template <int dim, class Basis>
-void ExplicitStep<dim, Basis>::book_deposits(const StepOptions<dim>& options, double dt) {
+void ExplicitStep<dim, Basis>::book_deposits(double dt) {
   const transfer::MassMomentumForce<dim> sums(m_sums);
-  Cause<dim>& body_force = m_parts.ledger.cause("gravity");
+  Cause<dim>& gravity = m_parts.ledger.cause("gravity");
+  Cause<dim>& loads = m_parts.ledger.cause("loads");
   double mass = 0.0;
   Vector<dim> force{};
   m_parts.grid.for_each_active_run([&](int I, int count) {
-    mass = std::accumulate(sums.mass + I, sums.mass + I + count, mass);
-    if (options.body_force.at_reference_position)
+    if (m_body_force.is_uniform())
+      mass += sum_over(I, count, [&](int i) { return sums.mass[i]; });
+    else
       for (int d = 0; d < dim; ++d)
-        force[d] = std::accumulate(sums.force[d] + I, sums.force[d] + I + count, force[d]);
+        force[d] += sum_over(I, count, [&](int i) { return sums.force[d][i]; });
   });
-  for (int d = 0; d < dim; ++d) m_parts.ledger.cause("loads").impulse[d] += m_load[d] * dt;
+  for (int d = 0; d < dim; ++d) loads.impulse[d] += m_load[d] * dt;
   for (int d = 0; d < dim; ++d)
-    body_force.impulse[d] += options.body_force.at_reference_position
-                                 ? (force[d] - m_load[d]) * dt
-                                 : mass * options.body_force.uniform[d] * dt;
+    gravity.impulse[d] +=
+        (m_body_force.is_uniform() ? mass * m_body_force.uniform()[d] : force[d] - m_load[d]) * dt;
 }
 
 /// With the pair of a node I and its twin b beyond a wall, of which the twin moves against it in a
@@ -36,22 +53,27 @@ void ExplicitStep<dim, Basis>::book_deposits(const StepOptions<dim>& options, do
 /// v_I)), s the FLIP share; on the wall itself -(f dt + (1 - s) p), and what constraints put there.
 template <int dim, class Basis>
 void ExplicitStep<dim, Basis>::book_walls(double flip_share, double dt) {
+  std::array<Vector<dim>, 2 * dim> impulse{};
+  const auto component_of = [&](const auto& held) -> double& {
+    return impulse[static_cast<std::size_t>(held.wall)][static_cast<std::size_t>(held.component)];
+  };
   for (const auto& held : m_folded) {
-    double& impulse = m_parts.ledger.cause(wall_cause(held.wall))
-                          .impulse[static_cast<std::size_t>(held.component)];
     const double rest = 1.0 - flip_share;
     if (held.reflection < 0) {
-      impulse -= held.force * dt + rest * held.momentum;
+      component_of(held) -= held.force * dt + rest * held.momentum;
       continue;
     }
     const double v = m_rates.values(held.component)[held.reflection];
     const double a = m_rates.values(dim + held.component)[held.reflection];
-    impulse -= 2.0 * (held.force * dt + flip_share * held.mass * a * dt +
-                      rest * (held.momentum + held.mass * v));
+    component_of(held) -= 2.0 * (held.force * dt + flip_share * held.mass * a * dt +
+                                 rest * (held.momentum + held.mass * v));
   }
-  for (const auto& held : m_held)
-    m_parts.ledger.cause(wall_cause(held.wall)).impulse[static_cast<std::size_t>(held.component)] -=
-        held.force * dt;
+  for (const auto& held : m_held) component_of(held) -= held.force * dt;
+  for (int wall = 0; wall < 2 * dim; ++wall) {
+    if (m_parts.walls.kind(wall / 2, wall % 2) == grid::Wall::free) continue;
+    Vector<dim>& booked = m_parts.ledger.cause(wall_cause(wall)).impulse;
+    for (int d = 0; d < dim; ++d) booked[d] += impulse[static_cast<std::size_t>(wall)][d];
+  }
 }
 
 template <int dim, class Basis>
@@ -82,29 +104,29 @@ void ExplicitStep<dim, Basis>::book_constraints(double dt) {
 /// Of all forces together, and of uniform gravity: that of the twins beyond a wall acts against
 /// their reflections in held components.
 template <int dim, class Basis>
-void ExplicitStep<dim, Basis>::book_work(const StepOptions<dim>& options, double dt) {
+void ExplicitStep<dim, Basis>::book_work(double dt) {
   const transfer::MassMomentumForce<dim> sums(m_sums);
-  const Vector<dim>& g = options.body_force.uniform;
-  double total = 0.0, gravity = 0.0;
-  m_parts.grid.for_each_active_run([&](int first, int count) {
+  const transfer::VelocityAcceleration<dim> rates(m_rates);
+  double of_forces = 0.0;
+  Vector<dim> of_mass{};
+  m_parts.grid.for_each_active_run([&](int I, int count) {
     for (int d = 0; d < dim; ++d) {
-      double of_forces = 0.0, of_mass = 0.0;
-      for (int I = first; I < first + count; ++I) {
-        const double v = mean_velocity(d, I, dt);
-        of_forces += sums.force[d][I] * v;
-        of_mass += sums.mass[I] * v;
-      }
-      total += of_forces;
-      gravity += g[d] * of_mass;
+      const double *const f = sums.force[d], *const v = rates.velocity[d],
+                          *const a = rates.acceleration[d];
+      of_forces += sum_over(I, count, [=](int i) { return f[i] * (v[i] - 0.5 * dt * a[i]); });
+      if (m_body_force.is_uniform() && m_body_force.uniform()[d] != 0.0)
+        of_mass[d] += sum_over(
+            I, count, [=, m = sums.mass](int i) { return m[i] * (v[i] - 0.5 * dt * a[i]); });
     }
   });
+  m_parts.ledger.add_total_work(of_forces * dt);
+  if (!m_body_force.is_uniform()) return;
   for (const auto& held : m_folded)
     if (held.reflection >= 0)
-      gravity -= 2.0 * held.mass * g[static_cast<std::size_t>(held.component)] *
-                 mean_velocity(held.component, held.reflection, dt);
-  m_parts.ledger.add_total_work(total * dt);
-  if (!options.body_force.at_reference_position)
-    m_parts.ledger.cause("gravity").work += gravity * dt;
+      of_mass[static_cast<std::size_t>(held.component)] -=
+          2.0 * held.mass * mean_velocity(held.component, held.reflection, dt);
+  for (int d = 0; d < dim; ++d)
+    m_parts.ledger.cause("gravity").work += m_body_force.uniform()[d] * of_mass[d] * dt;
 }
 
 /// What a load gives to nodes without mass, as continued functions of uGIMP do, reaches no
@@ -125,22 +147,21 @@ void ExplicitStep<dim, Basis>::book_loads_work(double dt) {
 
 /// At the particles: a sum over nodes, among them those beyond walls, which move as their twins do.
 template <int dim, class Basis>
-void ExplicitStep<dim, Basis>::book_body_force_work(const View& particles,
-                                                    const StepOptions<dim>& options, double dt) {
+void ExplicitStep<dim, Basis>::book_body_force_work(const View& particles, double dt) {
   m_parts.ledger.cause("gravity").work +=
-      dt * transfer::body_force_power<dim, Basis>(particles, stencil(), options.body_force, dt,
+      dt * transfer::body_force_power<dim, Basis>(particles, stencil(), m_body_force, dt,
                                                   transfer::VelocityAcceleration<dim>(m_rates));
 }
 
-#define MPM_INSTANTIATE(dim, Basis)                                                       \
-  template double ExplicitStep<dim, Basis>::mean_velocity(int, int, double) const;        \
-  template void ExplicitStep<dim, Basis>::book_deposits(const StepOptions<dim>&, double); \
-  template void ExplicitStep<dim, Basis>::book_walls(double, double);                     \
-  template void ExplicitStep<dim, Basis>::book_constraints(double);                       \
-  template void ExplicitStep<dim, Basis>::book_work(const StepOptions<dim>&, double);     \
-  template void ExplicitStep<dim, Basis>::book_loads_work(double);                        \
-  template void ExplicitStep<dim, Basis>::book_body_force_work(                           \
-      const particles::ParticleView<dim>&, const StepOptions<dim>&, double);
+#define MPM_INSTANTIATE(dim, Basis)                                                \
+  template double ExplicitStep<dim, Basis>::mean_velocity(int, int, double) const; \
+  template void ExplicitStep<dim, Basis>::book_deposits(double);                   \
+  template void ExplicitStep<dim, Basis>::book_walls(double, double);              \
+  template void ExplicitStep<dim, Basis>::book_constraints(double);                \
+  template void ExplicitStep<dim, Basis>::book_work(double);                       \
+  template void ExplicitStep<dim, Basis>::book_loads_work(double);                 \
+  template void ExplicitStep<dim, Basis>::book_body_force_work(                    \
+      const particles::ParticleView<dim>&, double);
 MPM_BASES(MPM_IN_ALL_DIMENSIONS)
 
 }  // namespace mpm::solver

@@ -8,11 +8,11 @@ using simd::Pack;
 
 template <int dim, class Basis>
 double body_force_power(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
-                        const BodyForce<dim>& body_force, double dt,
+                        const ParticleBodyForce<dim>& body_force, double dt,
                         const VelocityAcceleration<dim>& nodes) {
   double power = 0.0;
   for (int p = 0; p < particles.count; ++p) {
-    const Vector<dim> b = body_force.on(particles, p);
+    const Vector<dim> b = body_force[p];
     Pack sum{};
     stencil.move_to(particles.position_of(p));
     stencil.for_each_row([&](std::ptrdiff_t I, Pack N, const PackVector<dim>&) {
@@ -28,8 +28,8 @@ double body_force_power(const particles::ParticleView<dim>& particles, Stencil<d
 
 #define MPM_INSTANTIATE(dim, Basis)                                                                \
   template double body_force_power<dim, Basis>(const particles::ParticleView<dim>&,                \
-                                               Stencil<dim, Basis>, const BodyForce<dim>&, double, \
-                                               const VelocityAcceleration<dim>&);
+                                               Stencil<dim, Basis>, const ParticleBodyForce<dim>&, \
+                                               double, const VelocityAcceleration<dim>&);
 MPM_BASES(MPM_IN_ALL_DIMENSIONS)
 
 }  // namespace mpm::transfer

@@ -78,12 +78,13 @@ void Increments::cover(const particles::Range& particles, int dim) {
 
 template <int dim, class Basis>
 void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
-                                 Stencil<dim, Basis> stencil, const BodyForce<dim>& body_force,
+                                 Stencil<dim, Basis> stencil,
+                                 const ParticleBodyForce<dim>& body_force,
                                  MassMomentumForce<dim> nodes) {
   for (int p = 0; p < particles.count; ++p) {
     const double m_p = particles.mass[p];
     const Vector<dim> v_p = particles.velocity_of(p);
-    const Vector<dim> b = body_force.on(particles, p);
+    const Vector<dim> b = body_force[p];
     const SymmetricTensor V_sigma = particles.volume[p] * stress_of(particles, p);
     stencil.move_to(particles.position_of(p));
     stencil.for_each_row([&](std::ptrdiff_t I, Pack N, const PackVector<dim>& gradient) {
@@ -334,7 +335,7 @@ void replace_volume_change(const particles::ParticleView<dim>& particles,
 
 #define MPM_INSTANTIATE(dim, Basis)                                                                \
   template void deposit_mass_momentum_force<dim, Basis>(                                           \
-      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const BodyForce<dim>&,             \
+      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const ParticleBodyForce<dim>&,     \
       MassMomentumForce<dim>);                                                                     \
   template void update_velocities_and_deposit_momentum<dim, Basis>(                                \
       const particles::ParticleView<dim>&, Stencil<dim, Basis>, double, double,                    \

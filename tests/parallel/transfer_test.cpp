@@ -108,7 +108,9 @@ void compare_sweeps(double flip_share) {
   BodyForce<dim> body_force;
   body_force.uniform.fill(-3.1);
 
-  deposit_mass_momentum_force<dim, Basis>(f, stencil, body_force,
+  ParticleBodyForce<dim> particle_force;
+  particle_force.find(body_force, f);
+  deposit_mass_momentum_force<dim, Basis>(f, stencil, particle_force,
                                           MassMomentumForce<dim>(fast.sums));
   reference.deposit(g, body_force.uniform, MassMomentumForce<dim>(plain.sums));
   expect_same<dim>(fast.sums, plain.sums, nodes);

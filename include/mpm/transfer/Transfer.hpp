@@ -1,12 +1,12 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <vector>
 
 #include "mpm/core/Tensor.hpp"
 #include "mpm/grid/NodalField.hpp"
 #include "mpm/particles/Particles.hpp"
+#include "mpm/transfer/BodyForce.hpp"
 #include "mpm/transfer/Stencil.hpp"
 
 namespace mpm::transfer {
@@ -63,22 +63,6 @@ struct Increments {
   void cover(const particles::Range& particles, int dim);
 };
 
-/// Acceleration by body forces, m/s^2.
-template <int dim>
-struct BodyForce {
-  Vector<dim> uniform{};
-  /// Replaces the uniform one where set: a function of the undeformed position, which is the
-  /// position less the displacement.
-  std::function<Vector<dim>(const Vector<dim>&)> at_reference_position;
-
-  Vector<dim> on(const particles::ParticleView<dim>& particles, int p) const {
-    if (!at_reference_position) return uniform;
-    Vector<dim> X = particles.position_of(p);
-    for (int d = 0; d < dim; ++d) X[d] -= particles.displacement[d][p];
-    return at_reference_position(X);
-  }
-};
-
 /// What a sweep found out about particles that moved too far.
 struct Drift {
   bool must_migrate = false;  ///< one has left the cells this rank can carry
@@ -89,14 +73,15 @@ struct Drift {
 /// Adds to the local arrays; ghosts are to be summed afterwards.
 template <int dim, class Basis>
 void deposit_mass_momentum_force(const particles::ParticleView<dim>& particles,
-                                 Stencil<dim, Basis> stencil, const BodyForce<dim>& body_force,
+                                 Stencil<dim, Basis> stencil,
+                                 const ParticleBodyForce<dim>& body_force,
                                  MassMomentumForce<dim> nodes);
 
 /// Sum of m_p b_p . v_I N_Ip with the nodes' velocities of the middle of a step, v_I - a_I dt/2, W:
 /// what the body force that these particles have deposited does. Reads ghosts. Local.
 template <int dim, class Basis>
 double body_force_power(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
-                        const BodyForce<dim>& body_force, double dt,
+                        const ParticleBodyForce<dim>& body_force, double dt,
                         const VelocityAcceleration<dim>& nodes);
 
 /// Deposits m_p N_Ip alone, on which dual bases depend. Ghosts are to be summed afterwards.
