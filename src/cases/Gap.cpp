@@ -123,13 +123,12 @@ class Gap : public GridCase<2> {
   }
 
   std::shared_ptr<grid::Constraint<2>> make_contact(const solver::Simulation<2>& simulation) const {
-    auto contact = contact_of(simulation, m_plane,
-                              {.detection = m_detection,
-                               .gap_cells = m_gap_cells,
-                               .reference_density = m_material.parameters().density});
     const double spacing = 0.5 * cell();
-    contact->discretise(points_behind_plane(simulation.grid(), spacing), spacing * spacing);
-    return contact;
+    return contact_of(simulation, m_plane,
+                      {.detection = m_detection,
+                       .gap_cells = m_gap_cells,
+                       .reference_density = m_material.parameters().density},
+                      {points_behind_plane(simulation.grid(), spacing), spacing * spacing});
   }
 
   static std::vector<Vector<2>> points_behind_plane(const grid::Grid<2>& grid, double spacing) {
@@ -149,6 +148,8 @@ class Gap : public GridCase<2> {
                   basis::KnotLines::uniform(0.0, cells_y * cell(), cells_y)}};
     m_options.apply_to(setup);
     setup.walls = {{{grid::Wall::free, grid::Wall::free}, {grid::Wall::free, grid::Wall::free}}};
+    if (contact::detection_kinds()[m_detection].is_at_particles())
+      setup.particle_contacts = {"contact"};
     setup.materials = {m_material.create()};
     const Vector<2> centre{0.5 * cells_x * cell(), body_bottom() + 0.5 * height};
     setup.filling.material_at = [this, centre](const Vector<2>& x) {

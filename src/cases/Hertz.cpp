@@ -18,12 +18,12 @@ namespace {
 /// A rigid plane that remembers how much of its force each column of nodes has taken.
 class RecordedPlane : public grid::Constraint<2> {
  public:
-  RecordedPlane(const grid::Grid<2>& grid, std::shared_ptr<contact::RigidContact<2>> contact)
+  RecordedPlane(const grid::Grid<2>& grid, std::shared_ptr<grid::Constraint<2>> contact)
       : m_contact(std::move(contact)),
         m_columns(static_cast<std::size_t>(grid.local_size())),
         m_impulse(grid.nodes(0).positions.size(), 0.0) {}
 
-  void look_at_particles() override { m_contact->look_at_particles(); }
+  void look_at_particles(double dt) override { m_contact->look_at_particles(dt); }
   void find_nodes() override { m_contact->find_nodes(); }
   bool spares_from_damping() const override { return true; }
   grid::Booking<2>& booking() override { return m_contact->booking(); }
@@ -56,7 +56,7 @@ class RecordedPlane : public grid::Constraint<2> {
   }
 
  private:
-  std::shared_ptr<contact::RigidContact<2>> m_contact;
+  std::shared_ptr<grid::Constraint<2>> m_contact;
   std::vector<std::size_t> m_columns;  ///< of the local nodes
   std::vector<double> m_impulse;       ///< N s/m, this rank's share
   double m_time = 0.0;
@@ -136,6 +136,8 @@ class Hertz : public GridCase<2> {
     m_options.apply_to(setup);
     using grid::Wall;
     setup.walls = {{{Wall::symmetry, Wall::free}, {Wall::free, Wall::free}}};
+    if (contact::detection_kinds()[m_detection].is_at_particles())
+      setup.particle_contacts = {"contact"};
     setup.materials = {m_material.create()};
     setup.filling.material_at = [this](const Vector<2>& x) {
       const bool inside = x[0] < m_radius && x[1] > 0.0 && x[1] < m_radius;
@@ -177,8 +179,8 @@ class Hertz : public GridCase<2> {
     auto contact = contact_of(simulation, m_body,
                               {.detection = m_detection,
                                .gap_cells = m_gap_cells,
-                               .reference_density = m_material.parameters().density});
-    contact->discretise(points_behind_plane(), 0.25 * cell() * cell());
+                               .reference_density = m_material.parameters().density},
+                              {points_behind_plane(), 0.25 * cell() * cell()});
     return std::make_shared<RecordedPlane>(simulation.grid(), std::move(contact));
   }
 

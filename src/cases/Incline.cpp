@@ -170,6 +170,8 @@ class Incline : public GridCase<2> {
                   basis::KnotLines::uniform(0.0, cells_y * cell(), cells_y)}};
     m_options.apply_to(setup);
     setup.walls = {{{grid::Wall::free, grid::Wall::free}, {grid::Wall::free, grid::Wall::free}}};
+    if (contact::detection_kinds()[detection()].is_at_particles())
+      setup.particle_contacts = {"contact"};
     setup.materials = {m_material.create()};
     const Vector<2> centre = start();
     setup.filling.material_at = [this, centre](const Vector<2>& x) {

@@ -126,15 +126,14 @@ void Pipe::make_body() {
 
 std::shared_ptr<grid::Constraint<2>> Pipe::make_contact(
     const solver::Simulation<2>& simulation) const {
-  auto contact = contact_of(simulation, m_body,
-                            {.detection = m_pipe.detection,
-                             .normal = m_pipe.normal,
-                             .gap_cells = m_pipe.gap_cells,
-                             .friction = m_pipe.friction_coefficient(),
-                             .reference_density = m_pipe.density()});
   const double spacing = 0.5 * m_pipe.cell();
-  contact->discretise(m_pipe.points_in_pipe(spacing), spacing * spacing);
-  return contact;
+  return contact_of(simulation, m_body,
+                    {.detection = m_pipe.detection,
+                     .normal = m_pipe.normal,
+                     .gap_cells = m_pipe.gap_cells,
+                     .friction = m_pipe.friction_coefficient(),
+                     .reference_density = m_pipe.density()},
+                    {m_pipe.points_in_pipe(spacing), spacing * spacing});
 }
 
 /// The soil comes to rest around the pipe, which holds still.

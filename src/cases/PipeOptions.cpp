@@ -174,6 +174,8 @@ solver::SimulationSetup<2> PipeOptions::setup() const {
   run.apply_to(setup);
   setup.walls = {
       {{is_half() ? Wall::symmetry : Wall::roller, Wall::roller}, {Wall::fixed, Wall::free}}};
+  if (contact::detection_kinds()[detection].is_at_particles())
+    setup.particle_contacts = {"contact"};
   setup.materials = {sand.create()};
   setup.filling = filling(!setup.lines[0].is_uniform() || !setup.lines[1].is_uniform());
   setup.gravity = {0.0, -gravity};

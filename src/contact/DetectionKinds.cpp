@@ -2,7 +2,6 @@
 #include <stdexcept>
 
 #include "GapDetection.hpp"
-#include "ParticleDetection.hpp"
 #include "VelocityDetection.hpp"
 
 namespace mpm::contact {
@@ -21,8 +20,8 @@ constexpr DetectionKind kind(std::string_view name, std::string_view sentence) {
 constexpr std::array kinds{
     kind<VelocityDetection>("velocity", "where they share nodes and approach (the paper)"),
     kind<GapDetection>("gap", "on nodes within -contact_gap_cells of the rigid body"),
-    kind<ParticleDetection>("particle",
-                            "on those if most particles beside the surface there touch it"),
+    DetectionKind{"particle", "where a particle's own extent meets the rigid body", nullptr,
+                  nullptr, nullptr},
 };
 
 }  // namespace

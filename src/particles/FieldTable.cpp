@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mpm/core/Errors.hpp"
 #include "mpm/particles/Particles.hpp"
@@ -49,6 +50,17 @@ std::vector<Field<dim>> declared_fields(const OptionalColumns& optional) {
   if (optional.velocity_gradient)
     fields.push_back({"velocity_gradient", "gradient dv_i/dx_j of the particle's own motion", "1/s",
                       matrix, state});
+  if (!optional.contacts.empty())
+    fields.push_back({"extent", "squares of the half extents: xx yy zz xy yz xz", "m^2",
+                      symmetric_tensor, state});
+  constexpr double unseen = std::numeric_limits<double>::quiet_NaN();
+  for (const std::string& label : optional.contacts) {
+    const std::string body = "the rigid body of '" + label + "'";
+    fields.push_back({label + "_force", "force by springs of " + body, "N", vector, written_state});
+    fields.push_back({label + "_place", "place in the frame of " + body, "m", vector, state});
+    fields.push_back(
+        {label + "_overlap", "overlap with " + body, "m", scalar, state, nullptr, unseen});
+  }
   return fields;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "mpm/core/Errors.hpp"
@@ -30,6 +31,7 @@ MemberHandles<dim>::MemberHandles(const FieldTable<dim>& fields)
       deviatoric_strain(fields.handle("deviatoric_strain")),
       material(fields.template handle<PetscInt>("material")) {
   if (fields.has("velocity_gradient")) velocity_gradient = fields.handle("velocity_gradient");
+  if (fields.has("extent")) extent = fields.handle("extent");
 }
 
 template <int dim>
@@ -47,6 +49,7 @@ ParticleView<dim>::ParticleView(const Swarm<dim>& swarm, const FieldTable<dim>& 
   volume = (*this)[members.volume];
   deviatoric_strain = (*this)[members.deviatoric_strain];
   material = (*this)[members.material];
+  if (members.extent) point_to(*members.extent, std::span(extent).first(tensor_components<dim>));
   if (members.velocity_gradient)
     for (int i = 0; i < dim; ++i)
       for (int j = 0; j < dim; ++j)
@@ -78,6 +81,9 @@ void Particles<dim>::fill(const Seed<dim>& seed, const ParticleView<dim>& view, 
   }
   view.mass[p] = seed.volume * law.initial_density();
   view.volume[p] = seed.volume;
+  const double half = 0.5 * std::pow(seed.volume, 1.0 / dim);
+  if (view.extent[0] != nullptr)
+    for (int d = 0; d < dim; ++d) view.extent[static_cast<std::size_t>(d)][p] = half * half;
   view.id[p] = seed.id;
   view.material[p] = seed.material;
   const auto variables = law.state_variables();
@@ -171,6 +177,7 @@ partition::CellWork<dim> Particles<dim>::count_in_cells() const {
 template <int dim>
 void Particles<dim>::sort() {
   const petsc::Phase phase("mpm: sort");
+  ++m_order;
   renew_active_cells();
   const int keys_per_material = m_grid.reachable_cells().box().size();
   const auto materials = static_cast<int>(m_materials.size());

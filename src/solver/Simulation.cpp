@@ -68,7 +68,8 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
       m_walls(setup.walls),
       m_particles(std::make_unique<particles::Particles<dim>>(
           *m_grid, setup.materials,
-          particles::OptionalColumns{.velocity_gradient = setup.transfer == Transfer::apic})),
+          particles::OptionalColumns{.velocity_gradient = setup.transfer == Transfer::apic,
+                                     .contacts = setup.particle_contacts})),
       m_boundary(std::make_unique<particles::BoundaryParticles<dim>>(*m_grid)),
       m_step(make_step(setup)),
       m_courant(setup.courant) {
@@ -192,7 +193,7 @@ StepTimes Simulation<dim>::advance(double time, double dt) {
     m_options.body_force.at_reference_position = [this, time](const Vector<dim>& X) {
       return m_body_force(X, time);
     };
-  for (auto* constraint : m_constraints) constraint->look_at_particles();
+  for (auto* constraint : m_constraints) constraint->look_at_particles(dt);
   agree(m_step->advance(times, m_options), times);
   m_dt_old = dt;
   ++m_steps;

@@ -58,6 +58,40 @@ Pack deviatoric_strain(const std::array<Pack, tensor_components<dim>>& e, Pack v
   return simd::sqrt(2.0 / 3.0 * square);
 }
 
+/// A <- (1 + L dt) A (1 + L dt)^T, what a material ellipsoid x.A^-1 x = 1 turns into.
+template <int dim>
+void deform_extents(const particles::ParticleView<dim>& particles, const Increments& increments,
+                    int offset, int n) {
+  const int first = increments.range.first + offset;
+  const auto strain = [&](int k) { return simd::load(increments.strain[k].data() + offset, n); };
+  const auto spin = [&](int k) { return simd::load(increments.spin[k].data() + offset, n); };
+  Matrix F{}, A{};
+  for (int d = 0; d < dim; ++d) F[d][d] = 1.0 + strain(d);
+  const auto set_pair = [&](int i, int j, Pack e, Pack w) {
+    F[i][j] = e + w;
+    F[j][i] = e - w;
+  };
+  if constexpr (dim >= 2) set_pair(0, 1, strain(3), spin(0));
+  if constexpr (dim == 3) {
+    set_pair(1, 2, strain(4), spin(1));
+    set_pair(0, 2, strain(5), spin(2));
+  }
+  const auto at = [&](int k) { return particles.extent[k] + first; };
+  constexpr int index[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+  for (int i = 0; i < dim; ++i)
+    for (int j = 0; j < dim; ++j) A[i][j] = simd::load(at(index[i][j]), n);
+  Matrix FA{};
+  for (int i = 0; i < dim; ++i)
+    for (int j = 0; j < dim; ++j)
+      for (int k = 0; k < dim; ++k) FA[i][j] += F[i][k] * A[k][j];
+  for (int i = 0; i < dim; ++i)
+    for (int j = i; j < dim; ++j) {
+      Pack sum{};
+      for (int k = 0; k < dim; ++k) sum += FA[i][k] * F[j][k];
+      simd::store(at(index[i][j]), sum, n);
+    }
+}
+
 }  // namespace
 
 template <int dim>
@@ -76,6 +110,8 @@ void rotate_and_expand(const particles::ParticleView<dim>& particles,
     if constexpr (dim == 3) rotate(rotation(spin(0), spin(1), spin(2)), s);
     if constexpr (dim > 1)
       for (int k = 0; k < components; ++k) simd::store(particles.stress[k] + first, s[k], n);
+
+    if (particles.extent[0] != nullptr) deform_extents<dim>(particles, increments, offset, n);
 
     const Pack volumetric = e[0] + e[1] + e[2];
     double* const V = particles.volume + first;

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "mpm/contact/ParticleContact.hpp"
 #include "mpm/contact/RigidContact.hpp"
 #include "mpm/geometry/HalfSpace.hpp"
 #include "mpm/solver/Simulation.hpp"
@@ -14,14 +15,25 @@ inline std::shared_ptr<contact::RigidBody<2>> ground(double height) {
       std::make_shared<geometry::HalfSpace<2>>(Vector<2>{0.0, 1.0}), Vector<2>{0.0, height});
 }
 
+/// Points that fill a rigid body, for contact found through its nodal mass.
+template <int dim>
+struct RigidPoints {
+  std::vector<Vector<dim>> from_reference;
+  double volume_of_each = 0.0;
+};
+
 /// Contact of all particles of a simulation, which must outlive it, with a rigid body. Collective.
 template <int dim>
-std::shared_ptr<contact::RigidContact<dim>> contact_of(
+std::shared_ptr<grid::Constraint<dim>> contact_of(
     const solver::Simulation<dim>& simulation, const std::shared_ptr<contact::RigidBody<dim>>& body,
-    const contact::ContactOptions& options) {
+    const contact::ContactOptions& options, RigidPoints<dim> points = {}) {
+  if (contact::detection_kinds()[options.detection].is_at_particles())
+    return std::make_shared<contact::ParticleContact<dim>>(simulation.grid(), simulation.walls(),
+                                                           simulation.step().point_deposit(),
+                                                           simulation.particles(), body, options);
   auto contact = std::make_shared<contact::RigidContact<dim>>(
       simulation.grid(), simulation.walls(), simulation.step().point_deposit(), body, options);
-  contact->watch(simulation.particles());
+  contact->discretise(std::move(points.from_reference), points.volume_of_each);
   return contact;
 }
 

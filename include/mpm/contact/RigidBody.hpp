@@ -121,6 +121,18 @@ class RigidBody {
     turned.normal = rotated(turned.normal, angle);
     return turned;
   }
+  /// x from the reference point, turned back with the body.
+  Vector<dim> in_body_frame(const Vector<dim>& x) const {
+    return rotated(from_reference(x), -angle);
+  }
+  /// A difference of two places in the body's frame, as it lies in space.
+  Vector<dim> turned_to_space(const Vector<dim>& difference) const {
+    return rotated(difference, angle);
+  }
+  /// Of a place in the body's frame from the surface, m.
+  double distance_in_body_frame(const Vector<dim>& place) const {
+    return m_shape->locate(place).distance;
+  }
   Vector<dim> from_reference(const Vector<dim>& x) const {
     Vector<dim> r;
     for (int d = 0; d < dim; ++d) r[d] = x[d] - position[d];

@@ -2,36 +2,16 @@
 
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "mpm/contact/Detection.hpp"
-#include "mpm/contact/Friction.hpp"
+#include "mpm/contact/ContactOptions.hpp"
 #include "mpm/contact/RigidBody.hpp"
 #include "mpm/grid/Constraint.hpp"
 #include "mpm/grid/NodalField.hpp"
 #include "mpm/grid/Walls.hpp"
-#include "mpm/particles/Particles.hpp"
 #include "mpm/transfer/PointDeposit.hpp"
 
 namespace mpm::contact {
-
-/// Where the contact normal comes from.
-enum class Normal {
-  surface,  ///< the rigid surface itself
-  gradient  ///< the gradient of the rigid body's nodal mass (the paper)
-};
-
-struct ContactOptions {
-  std::size_t detection = detection_named("gap");  ///< row of detection_kinds()
-  Normal normal = Normal::surface;
-  double gap_cells = 0.6;          ///< largest distance of a touching node, in cells
-  double friction = 0.0;           ///< Coulomb coefficient mu
-  std::size_t friction_law = 0;    ///< row of friction_kinds()
-  double reference_density = 1.0;  ///< of the deformable body, kg/m^3: nodes with less than 1e-9
-                                   ///< of a full cell's mass take no part
-  std::string label = "contact";   ///< in the ledger
-};
 
 /// Frictional contact with a rigid body on grid nodes (Bardenhagen et al. 2000; Zhang, Chen & Liu
 /// 2017): where the bodies touch and close in on each other, a friction law says how the velocity
@@ -51,13 +31,9 @@ class RigidContact : public grid::Constraint<dim> {
     m_rigid_mass.fill(std::move(points_from_reference), volume_of_each);
   }
 
-  /// The deformable body, needed where contact is found through its particles; must outlive this.
-  void watch(const particles::Particles<dim>& particles) { m_particles = &particles; }
-
   RigidBody<dim>& body() { return *m_body; }
   const RigidBody<dim>& body() const { return *m_body; }
 
-  void look_at_particles() override { m_detection->look_at_particles(); }
   void find_nodes() override;
   void constrain(const grid::Grid<dim>& grid, grid::ConstrainedNodes<dim>& nodes) override;
   bool spares_from_damping() const override { return true; }
@@ -80,7 +56,6 @@ class RigidContact : public grid::Constraint<dim> {
   ContactOptions m_options;
   std::unique_ptr<FrictionLaw<dim>> m_friction;
   RigidMass<dim> m_rigid_mass;
-  const particles::Particles<dim>* m_particles = nullptr;
   std::unique_ptr<Detection<dim>> m_detection;
   std::vector<NearNode<dim>> m_near_nodes;     ///< of the present step
   std::vector<TouchingNode> m_touching_nodes;  ///< of the present step

@@ -81,14 +81,18 @@ class ConstrainedNodes {
 
   /// Changes the velocity of a node where the constraint itself has the velocity `own`, m/s.
   void change_velocity(int I, const Vector<dim>& change, const Vector<dim>& own = {}) {
-    const double m_I = m_mass[I];
-    for (int d = 0; d < dim; ++d) m_momentum[d][I] += m_I * change[d];
-    if (!is_momentum_update()) return;
     Vector<dim> given;
+    for (int d = 0; d < dim; ++d) given[d] = m_mass[I] * change[d];
+    add_momentum(I, given, own);
+  }
+
+  /// Gives a node momentum, N s, where the constraint itself has the velocity `own`, m/s.
+  void add_momentum(int I, const Vector<dim>& given, const Vector<dim>& own = {}) {
+    for (int d = 0; d < dim; ++d) m_momentum[d][I] += given[d];
+    if (!is_momentum_update()) return;
     for (int d = 0; d < dim; ++d) {
-      m_force[d][I] += m_I * change[d] / m_dt;
-      m_booking->impulse[d] += m_I * change[d];
-      given[d] = m_I * change[d];
+      m_force[d][I] += given[d] / m_dt;
+      m_booking->impulse[d] += given[d];
       m_booking->work += given[d] * own[d];
     }
     m_booking->changes.push_back({I, given});
@@ -106,8 +110,8 @@ template <int dim>
 class Constraint {
  public:
   virtual ~Constraint() = default;
-  /// Called before every step, while particles may be looked at. Local.
-  virtual void look_at_particles() {}
+  /// Called before every step of dt, while particles may be looked at. Local.
+  virtual void look_at_particles(double /*dt*/) {}
   /// Called when the nodal masses are known, before nodes are constrained: once in a step, and once
   /// more with -update usf, which has two depositions. Collective.
   virtual void find_nodes() {}

@@ -22,6 +22,7 @@ using Materials = std::vector<std::shared_ptr<const material::Material>>;
 /// Columns that only some runs need.
 struct OptionalColumns {
   bool velocity_gradient = false;  ///< of the particle's own motion, carried by affine transfers
+  std::vector<std::string> contacts = {};  ///< labels of contacts found at particles
 };
 
 enum class Shape {

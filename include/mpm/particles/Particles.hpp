@@ -44,7 +44,7 @@ struct MemberHandles {
 
   StateHandle position, velocity, displacement, stress, mass, volume, deviatoric_strain;
   ColumnHandle<PetscInt> material;
-  std::optional<StateHandle> velocity_gradient;
+  std::optional<StateHandle> velocity_gradient, extent;
 };
 
 /// Pointers into the swarm's arrays, one per scalar component. While one exists the swarm cannot
@@ -64,6 +64,9 @@ class ParticleView {
   double* deviatoric_strain = nullptr;                  ///< sum of sqrt(2/3 e:e) of the increments
   /// dv_i/dx_j of the particle's own motion, 1/s; null unless the run has it.
   std::array<std::array<double*, dim>, dim> velocity_gradient{};
+  /// Of the ellipsoid x.A^-1 x = 1 that stands for the particle's extent, m^2; null unless the run
+  /// has it.
+  std::array<double*, SymmetricTensor::size> extent{};
   std::int64_t* id = nullptr;
   PetscInt* material = nullptr;
 
@@ -133,6 +136,8 @@ class Particles {
   /// Particles of all ranks in every cell of the grid. Collective.
   partition::CellWork<dim> count_in_cells() const;
 
+  /// Another number whenever particles may have changed their places in a view.
+  long long order() const { return m_order; }
   const petsc::Communicator& communicator() const { return m_swarm.communicator(); }
   int local_count() const { return m_swarm.local_count(); }
   long long global_count() const { return m_swarm.global_count(); }
@@ -156,6 +161,7 @@ class Particles {
   MemberHandles<dim> m_members;
   Swarm<dim> m_swarm;
   std::vector<Range> m_ranges;
+  long long m_order = 0;
 };
 
 extern template struct MemberHandles<1>;

@@ -37,6 +37,7 @@ struct SimulationSetup {
   Transfer transfer = Transfer::flip;
   double flip_time = std::numeric_limits<double>::infinity();  ///< s, see StepOptions
   bool averages_volume = false;                                ///< see StepOptions
+  std::vector<std::string> particle_contacts = {};  ///< labels of contacts found at particles
   BalanceOptions balance = {};
   /// The ranks that share the run; the caller's, see petsc::Communicator.
   petsc::Communicator communicator = petsc::world();

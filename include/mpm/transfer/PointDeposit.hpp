@@ -17,6 +17,11 @@ class PointDeposit {
   /// for the points in `cells`, which this rank must reach. Local.
   virtual void deposit(std::span<const Vector<dim>> points, double weight,
                        const grid::CellSet<dim>& cells, grid::NodalField<dim>& field) const = 0;
+  /// Adds values_d N_I(x) to component d of the field, for points in cells that this rank reaches.
+  /// Local.
+  virtual void deposit_vectors(std::span<const Vector<dim>> points,
+                               std::span<const Vector<dim>> values,
+                               grid::NodalField<dim>& field) const = 0;
 };
 
 template <int dim, class Basis>
@@ -34,6 +39,17 @@ class BasisDeposit : public PointDeposit<dim> {
       stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>& gradient) {
         field.values(0)[I] += weight * N;
         for (int d = 0; d < dim; ++d) field.values(1 + d)[I] += weight * gradient[d];
+      });
+    }
+  }
+
+  void deposit_vectors(std::span<const Vector<dim>> points, std::span<const Vector<dim>> values,
+                       grid::NodalField<dim>& field) const override {
+    Stencil<dim, Basis> stencil(m_grid, m_bases);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      stencil.move_to(points[k]);
+      stencil.for_each_node([&](std::ptrdiff_t I, double N, const Vector<dim>&) {
+        for (int d = 0; d < dim; ++d) field.values(d)[I] += values[k][d] * N;
       });
     }
   }
