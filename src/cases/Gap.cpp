@@ -148,7 +148,7 @@ class Gap : public GridCase<2> {
                   basis::KnotLines::uniform(0.0, cells_y * cell(), cells_y)}};
     m_options.apply_to(setup);
     setup.walls = {{{grid::Wall::free, grid::Wall::free}, {grid::Wall::free, grid::Wall::free}}};
-    if (contact::detection_kinds()[m_detection].is_at_particles())
+    if (contact::detection_kinds()[m_detection].is_by_springs())
       setup.particle_contacts = {"contact"};
     setup.materials = {m_material.create()};
     const Vector<2> centre{0.5 * cells_x * cell(), body_bottom() + 0.5 * height};

@@ -136,7 +136,7 @@ class Hertz : public GridCase<2> {
     m_options.apply_to(setup);
     using grid::Wall;
     setup.walls = {{{Wall::symmetry, Wall::free}, {Wall::free, Wall::free}}};
-    if (contact::detection_kinds()[m_detection].is_at_particles())
+    if (contact::detection_kinds()[m_detection].is_by_springs())
       setup.particle_contacts = {"contact"};
     setup.materials = {m_material.create()};
     setup.filling.material_at = [this](const Vector<2>& x) {

@@ -59,11 +59,12 @@ class Incline : public GridCase<2> {
     options.choice("contact_detection", m_detection,
                    {{"auto", std::nullopt},
                     {"gap", contact::detection_named("gap")},
-                    {"particle", contact::detection_named("particle")}},
+                    {"particle", contact::detection_named("particle")},
+                    {"spring", contact::detection_named("spring")}},
                    {"",
-                    "bodies touch on nodes at or below the plane (gap), or on those if most "
-                    "particles beside it there touch it (particle); auto takes gap for the block, "
-                    "particle for the disc",
+                    "bodies touch on nodes at or below the plane (gap), on those if most particles "
+                    "beside it there touch it (particle), or where a particle's own extent meets "
+                    "it (spring); auto takes gap for the block, particle for the disc",
                     "docs/verification/incline.md"});
     m_material.declare(options);
   }
@@ -170,7 +171,7 @@ class Incline : public GridCase<2> {
                   basis::KnotLines::uniform(0.0, cells_y * cell(), cells_y)}};
     m_options.apply_to(setup);
     setup.walls = {{{grid::Wall::free, grid::Wall::free}, {grid::Wall::free, grid::Wall::free}}};
-    if (contact::detection_kinds()[detection()].is_at_particles())
+    if (contact::detection_kinds()[detection()].is_by_springs())
       setup.particle_contacts = {"contact"};
     setup.materials = {m_material.create()};
     const Vector<2> centre = start();

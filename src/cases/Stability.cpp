@@ -66,7 +66,7 @@ class Stability : public Case {
   void prepare() override {
     if (petsc::world_size() > 1)
       throw BadInput(fmt::format("{} ranks: -scene stability runs on one", petsc::world_size()));
-    if (m_run.flip_time)
+    if (m_run.flip_time.value_or(0.0) > 0.0)
       throw BadInput(
           "-flip_time: -scene stability knows steps that are quadratic in dt only; leave it out");
   }

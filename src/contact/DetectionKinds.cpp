@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "GapDetection.hpp"
+#include "ParticleDetection.hpp"
 #include "VelocityDetection.hpp"
 
 namespace mpm::contact {
@@ -20,7 +21,9 @@ constexpr DetectionKind kind(std::string_view name, std::string_view sentence) {
 constexpr std::array kinds{
     kind<VelocityDetection>("velocity", "where they share nodes and approach (the paper)"),
     kind<GapDetection>("gap", "on nodes within -contact_gap_cells of the rigid body"),
-    DetectionKind{"particle", "where a particle's own extent meets the rigid body", nullptr,
+    kind<ParticleDetection>("particle",
+                            "on those if most particles beside the surface there touch it"),
+    DetectionKind{"spring", "where a particle's own extent meets the rigid body (springs)", nullptr,
                   nullptr, nullptr},
 };
 

@@ -27,7 +27,8 @@ RigidContact<dim>::RigidContact(const grid::Grid<dim>& grid, const grid::Walls<d
       m_friction(make_friction<dim>(options.friction_law, {.coefficient = options.friction})),
       m_rigid_mass(grid, walls, deposit, *m_body),
       m_detection(make_detection<dim>(
-          options.detection, {grid, walls, deposit, *m_body, m_rigid_mass, options.gap_cells})) {}
+          options.detection,
+          {grid, walls, deposit, *m_body, m_rigid_mass, options.gap_cells, m_particles})) {}
 
 /// Where the bodies touch does not depend on their motion: once for both mappings of a step.
 template <int dim>

@@ -71,10 +71,10 @@ void RunOptions::declare_step(options::OptionSet& options) {
        "smaller the step; or by itself with particles that carry its gradient too",
        "Eq. 7; docs/model.md"});
   options.optional_real(
-      "flip_time", flip_time, options::positive(), "pure FLIP",
+      "flip_time", flip_time, options::not_negative(), "pure FLIP",
       {"s",
-       "time in which particle velocities turn into the grid's: keeps exp(-dt/tau) per step; "
-       "for flip only",
+       "time in which particle velocities turn into the grid's: keeps exp(-dt/tau) per step, 0 "
+       "is pure FLIP; for flip only",
        "docs/model.md"});
   options.flag("average_volume", averages_volume,
                {"",

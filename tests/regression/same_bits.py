@@ -31,7 +31,7 @@ LAWS = ("sand", "elastic", "von_mises", "mohr_coulomb")
 TESTS = ("triaxial_compression", "triaxial_extension", "plane_strain",
          "simple_shear_constant_volume", "oedometer")
 PIPE = ("-scene pipe -pipe_cells_per_diameter 4 -pipe_domain_width 4 -pipe_domain_depth_below 3 "
-        "-geostatic_tolerance 0.1 -geostatic_stress_tolerance 0.1")
+        "-geostatic_tolerance 0.1 -geostatic_stress_tolerance 0.1 -geostatic_reaction_tolerance 10")
 CUBE = "-scene triaxial -cells 4 -triaxial_velocity 0.3"
 FIELDS = "-progress off -particle_output_every 30"
 
@@ -58,7 +58,7 @@ PARALLEL = {
     **{f"triaxial_{basis}": f"{CUBE} -max_steps 30 -basis {basis}" for basis in BASES},
     **{f"pipe_{detection}_{normal}": f"{PIPE} -max_steps 300 -contact_detection {detection} "
                                      f"-contact_normal {normal}"
-       for detection in ("velocity", "gap", "particle") for normal in ("surface", "gradient")},
+       for detection in ("velocity", "gap", "particle", "spring") for normal in ("surface", "gradient")},
     "pipe_graded": f"{PIPE} -max_steps 90 -pipe_far_cell_ratio 1.5 -symmetry full",
     "biaxial": "-scene biaxial -cell_size 0.25 -rest_tolerance 0.1 -max_steps 600 "
                "-history_every 20",

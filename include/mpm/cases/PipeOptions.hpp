@@ -33,7 +33,7 @@ struct PipeOptions {
   double far_cell_ratio = 1.0;
   Symmetry symmetry = Symmetry::automatic;
 
-  std::size_t detection = contact::detection_named("gap");
+  std::size_t detection = contact::detection_named("spring");
   contact::Normal normal = contact::Normal::surface;
   double gap_cells = 0.6;
   std::optional<double> friction;
@@ -44,6 +44,7 @@ struct PipeOptions {
   double damping = 0.7;
   double geostatic_tolerance = 1e-3;
   double geostatic_stress_tolerance = 0.02;
+  double geostatic_reaction_tolerance = 0.1;
 
   PipeOptions();
   void declare(options::OptionSet& options);

@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "mpm/contact/ParticleContact.hpp"
 #include "mpm/contact/RigidContact.hpp"
+#include "mpm/contact/SpringContact.hpp"
 #include "mpm/geometry/HalfSpace.hpp"
 #include "mpm/solver/Simulation.hpp"
 
@@ -27,12 +27,13 @@ template <int dim>
 std::shared_ptr<grid::Constraint<dim>> contact_of(
     const solver::Simulation<dim>& simulation, const std::shared_ptr<contact::RigidBody<dim>>& body,
     const contact::ContactOptions& options, RigidPoints<dim> points = {}) {
-  if (contact::detection_kinds()[options.detection].is_at_particles())
-    return std::make_shared<contact::ParticleContact<dim>>(simulation.grid(), simulation.walls(),
-                                                           simulation.step().point_deposit(),
-                                                           simulation.particles(), body, options);
+  if (contact::detection_kinds()[options.detection].is_by_springs())
+    return std::make_shared<contact::SpringContact<dim>>(simulation.grid(), simulation.walls(),
+                                                         simulation.step().point_deposit(),
+                                                         simulation.particles(), body, options);
   auto contact = std::make_shared<contact::RigidContact<dim>>(
       simulation.grid(), simulation.walls(), simulation.step().point_deposit(), body, options);
+  contact->watch(simulation.particles());
   contact->discretise(std::move(points.from_reference), points.volume_of_each);
   return contact;
 }

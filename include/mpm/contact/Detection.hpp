@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mpm/contact/RigidMass.hpp"
+#include "mpm/particles/Particles.hpp"
 
 namespace mpm::contact {
 
@@ -22,6 +23,8 @@ template <int dim>
 class Detection {
  public:
   virtual ~Detection() = default;
+  /// Before every step, while particles and nodes are as the step before left them. Local.
+  virtual void look_at_particles() {}
   /// Makes ready to find the nodes of a step. Collective.
   virtual void prepare() {}
   /// Appends the touching nodes of a run. Local.
@@ -37,9 +40,11 @@ struct DetectionParts {
   const RigidBody<dim>& body;
   RigidMass<dim>& rigid_mass;
   double gap_cells;  ///< largest distance of a touching node
+  /// Of the deformable body; may be told later than the rest.
+  const particles::Particles<dim>* const& particles;
 };
 
-/// How contact is found: on nodes by a Detection, or at the particles themselves.
+/// How contact is found: on nodes by a Detection, or by springs at particles.
 struct DetectionKind {
   std::string_view name;
   std::string_view sentence;  ///< "bodies touch ..."
@@ -47,8 +52,8 @@ struct DetectionKind {
   std::unique_ptr<Detection<2>> (*make_2d)(const DetectionParts<2>&);
   std::unique_ptr<Detection<3>> (*make_3d)(const DetectionParts<3>&);
 
-  /// Nodes have no part in it, and there is nothing to make: see ParticleContact.
-  bool is_at_particles() const { return make_1d == nullptr; }
+  /// Nodes have no part in it, and there is no Detection to make: see SpringContact.
+  bool is_by_springs() const { return make_1d == nullptr; }
 };
 
 /// The one table of detections: a new one is one file and one line here.

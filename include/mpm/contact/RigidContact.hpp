@@ -31,9 +31,13 @@ class RigidContact : public grid::Constraint<dim> {
     m_rigid_mass.fill(std::move(points_from_reference), volume_of_each);
   }
 
+  /// The deformable body, needed where contact is found through its particles; must outlive this.
+  void watch(const particles::Particles<dim>& particles) { m_particles = &particles; }
+
   RigidBody<dim>& body() { return *m_body; }
   const RigidBody<dim>& body() const { return *m_body; }
 
+  void look_at_particles(double) override { m_detection->look_at_particles(); }
   void find_nodes() override;
   void constrain(const grid::Grid<dim>& grid, grid::ConstrainedNodes<dim>& nodes) override;
   bool spares_from_damping() const override { return true; }
@@ -56,6 +60,7 @@ class RigidContact : public grid::Constraint<dim> {
   ContactOptions m_options;
   std::unique_ptr<FrictionLaw<dim>> m_friction;
   RigidMass<dim> m_rigid_mass;
+  const particles::Particles<dim>* m_particles = nullptr;
   std::unique_ptr<Detection<dim>> m_detection;
   std::vector<NearNode<dim>> m_near_nodes;     ///< of the present step
   std::vector<TouchingNode> m_touching_nodes;  ///< of the present step

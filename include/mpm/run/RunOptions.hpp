@@ -20,7 +20,7 @@ struct RunOptions {
   basis::EndTreatment ends = basis::EndTreatment::mirror;
   solver::Scheme scheme = solver::Scheme::musl;
   solver::Transfer transfer = solver::Transfer::flip;
-  std::optional<double> flip_time;  ///< s
+  std::optional<double> flip_time;  ///< s; 0 is pure FLIP
   bool averages_volume = false;
   /// What a scene takes at the most unless told otherwise, where its answer needs small steps.
   double largest_courant = 2.0;
@@ -57,7 +57,7 @@ struct RunOptions {
     setup.averages_volume = averages_volume;
     setup.transfer = transfer;
     setup.balance = balance;
-    if (flip_time) setup.flip_time = *flip_time;
+    if (flip_time.value_or(0.0) > 0.0) setup.flip_time = *flip_time;
     setup.filling.per_direction = [n = setup.particles_per_cell](const Vector<dim>&) { return n; };
   }
 

@@ -57,8 +57,11 @@ void BodyOptions::declare(options::OptionSet& set) {
       {"", "friction by a coefficient, or nothing slides while it touches", "docs/model.md"});
   set.choice("detection", detection,
              {{"gap", contact::detection_named("gap")},
-              {"particle", contact::detection_named("particle")}},
-             {"", "touching nodes: those near it, or of these those whose particles touch it",
+              {"particle", contact::detection_named("particle")},
+              {"spring", contact::detection_named("spring")}},
+             {"",
+              "touching are nodes near it, of these those whose particles touch it, or particles "
+              "whose own extent meets it",
               "docs/model.md"});
   set.real("gap_cells", gap_cells, {.minimum = 0.0, .maximum = 2.0},
            {"cells", "largest distance of a touching node", "docs/model.md"});

@@ -38,7 +38,7 @@ struct BodyOptions {
   std::string motion;            ///< file
   double friction = 0.0;
   std::size_t friction_law = 0;
-  std::size_t detection = contact::detection_named("gap");
+  std::size_t detection = contact::detection_named("spring");
   double gap_cells = 0.6;
   std::vector<double> contour;  ///< m, from the body to where the contour begins and ends
 

@@ -105,6 +105,9 @@ solver::SimulationSetup<dim> Model<dim>::setup() const {
   setup.walls = m_walls;
   setup.materials = m_materials;
   setup.filling = filling();
+  for (const Body<dim>& body : m_bodies)
+    if (contact::detection_kinds()[body.contact.detection].is_by_springs())
+      setup.particle_contacts.push_back(body.contact.label);
   setup.gravity[geometry::vertical<dim>] = -m_options.gravity;
   return setup;
 }

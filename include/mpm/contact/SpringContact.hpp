@@ -26,14 +26,14 @@ namespace mpm::contact {
 /// centre and the surface is soil as well. Particles that stand beside the surface at the start
 /// under stress reach up to it and carry their traction; what overlaps then does not push.
 template <int dim>
-class ParticleContact : public grid::Constraint<dim> {
+class SpringContact : public grid::Constraint<dim> {
  public:
   /// `particles` must have the columns of a contact of this label (particles::OptionalColumns) and,
   /// as the rest, outlive this. Collective.
-  ParticleContact(const grid::Grid<dim>& grid, const grid::Walls<dim>& walls,
-                  const transfer::PointDeposit<dim>& deposit,
-                  const particles::Particles<dim>& particles, std::shared_ptr<RigidBody<dim>> body,
-                  const ContactOptions& options);
+  SpringContact(const grid::Grid<dim>& grid, const grid::Walls<dim>& walls,
+                const transfer::PointDeposit<dim>& deposit,
+                const particles::Particles<dim>& particles, std::shared_ptr<RigidBody<dim>> body,
+                const ContactOptions& options);
 
   void look_at_particles(double dt) override;
   void find_nodes() override;
@@ -66,8 +66,8 @@ class ParticleContact : public grid::Constraint<dim> {
   grid::NodalField<dim> m_nodal_force;
 };
 
-extern template class ParticleContact<1>;
-extern template class ParticleContact<2>;
-extern template class ParticleContact<3>;
+extern template class SpringContact<1>;
+extern template class SpringContact<2>;
+extern template class SpringContact<3>;
 
 }  // namespace mpm::contact

@@ -1,4 +1,4 @@
-#include "mpm/contact/ParticleContact.hpp"
+#include "mpm/contact/SpringContact.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -97,7 +97,7 @@ std::vector<grid::Component> vector_components() {
 
 /// A particle that touches, before and after a step. Vectors in space, N and m.
 template <int dim>
-struct ParticleContact<dim>::Touch {
+struct SpringContact<dim>::Touch {
   Vector<dim> normal;
   Vector<dim> last_force;
   Vector<dim> moved;  ///< relative to the body
@@ -106,11 +106,11 @@ struct ParticleContact<dim>::Touch {
 };
 
 template <int dim>
-ParticleContact<dim>::ParticleContact(const grid::Grid<dim>& grid, const grid::Walls<dim>& walls,
-                                      const transfer::PointDeposit<dim>& deposit,
-                                      const particles::Particles<dim>& particles,
-                                      std::shared_ptr<RigidBody<dim>> body,
-                                      const ContactOptions& options)
+SpringContact<dim>::SpringContact(const grid::Grid<dim>& grid, const grid::Walls<dim>& walls,
+                                  const transfer::PointDeposit<dim>& deposit,
+                                  const particles::Particles<dim>& particles,
+                                  std::shared_ptr<RigidBody<dim>> body,
+                                  const ContactOptions& options)
     : m_grid(grid),
       m_walls(walls),
       m_deposit(deposit),
@@ -124,7 +124,7 @@ ParticleContact<dim>::ParticleContact(const grid::Grid<dim>& grid, const grid::W
       m_nodal_force(grid, vector_components<dim>()) {}
 
 template <int dim>
-void ParticleContact<dim>::look_at_particles(double dt) {
+void SpringContact<dim>::look_at_particles(double dt) {
   m_points.clear();
   m_forces.clear();
   const View view = m_particles.view();
@@ -134,7 +134,7 @@ void ParticleContact<dim>::look_at_particles(double dt) {
 
 /// Particles further away than they and the body can go are left out until they may be near.
 template <int dim>
-void ParticleContact<dim>::renew_watched(const View& view, double dt) {
+void SpringContact<dim>::renew_watched(const View& view, double dt) {
   double body_speed = std::sqrt(dot<dim>(m_body->velocity, m_body->velocity));
   if (m_body->spin != 0.0) m_way_left = 0.0;
   m_way_left -= (largest_speed(view) + body_speed) * dt;
@@ -151,7 +151,7 @@ void ParticleContact<dim>::renew_watched(const View& view, double dt) {
 }
 
 template <int dim>
-void ParticleContact<dim>::look_at(const View& view, int p, double dt) {
+void SpringContact<dim>::look_at(const View& view, int p, double dt) {
   const geometry::Proximity<dim> surface = m_body->locate(view.position_of(p));
   if (std::isnan(view[m_overlap][p])) begin(view, p, surface);
   const double overlap = half_extent<dim>(view, p, surface.normal) - surface.distance;
@@ -180,7 +180,7 @@ void ParticleContact<dim>::look_at(const View& view, int p, double dt) {
 
 /// The friction law limits the springs' force as it limits a velocity that would be taken away.
 template <int dim>
-Vector<dim> ParticleContact<dim>::held_by_springs(const Touch& touch) const {
+Vector<dim> SpringContact<dim>::held_by_springs(const Touch& touch) const {
   const Vector<dim>& n = touch.normal;
   const double pressing = dot<dim>(touch.last_force, n) + touch.k * touch.closed;
   if (pressing <= 0.0) return {};
@@ -195,8 +195,8 @@ Vector<dim> ParticleContact<dim>::held_by_springs(const Touch& touch) const {
 /// A particle that is seen for the first time. Extents along the normal end at the surface where
 /// they would pass it; where the soil carries a pressure, those of its first layer reach up to it.
 template <int dim>
-void ParticleContact<dim>::begin(const View& view, int p,
-                                 const geometry::Proximity<dim>& surface) const {
+void SpringContact<dim>::begin(const View& view, int p,
+                               const geometry::Proximity<dim>& surface) const {
   const auto& [distance, n] = surface;
   const double half = half_extent<dim>(view, p, n);
   const Vector<dim> traction = product<dim>(view.stress_of(p), n);
@@ -212,7 +212,7 @@ void ParticleContact<dim>::begin(const View& view, int p,
 }
 
 template <int dim>
-void ParticleContact<dim>::find_nodes() {
+void SpringContact<dim>::find_nodes() {
   m_nodal_force.set_active_to_zero();
   m_deposit.deposit_vectors(m_points, m_forces, m_nodal_force);
   m_nodal_force.sum_to_owners();
@@ -221,7 +221,7 @@ void ParticleContact<dim>::find_nodes() {
 
 /// The remapped momentum of Eq. 9 is of particles that have felt the force.
 template <int dim>
-void ParticleContact<dim>::constrain(const grid::Grid<dim>&, grid::ConstrainedNodes<dim>& nodes) {
+void SpringContact<dim>::constrain(const grid::Grid<dim>&, grid::ConstrainedNodes<dim>& nodes) {
   if (!nodes.is_momentum_update()) return;
   for (const grid::Run<dim>& run : m_grid.active_runs())
     for (int k = 0; k < run.count; ++k) {
@@ -237,8 +237,8 @@ void ParticleContact<dim>::constrain(const grid::Grid<dim>&, grid::ConstrainedNo
     }
 }
 
-template class ParticleContact<1>;
-template class ParticleContact<2>;
-template class ParticleContact<3>;
+template class SpringContact<1>;
+template class SpringContact<2>;
+template class SpringContact<3>;
 
 }  // namespace mpm::contact
