@@ -19,7 +19,7 @@ RUNS = {
     "single_constants": "-scene material_point -sand stockton_paper -sand_bulk poisson "
                         "-sand_poisson 0.1 -sand_m 3.7",
     "pipe": "-scene pipe -sand toyoura -pipe_cells_per_diameter 4 -pipe_domain_width 4 "
-            "-pipe_domain_depth_below 3 -max_steps 40",
+            "-pipe_domain_depth_below 3 -geostatic_reaction_tolerance 0.3 -max_steps 40",
     "biaxial": "-scene biaxial -cell_size 0.25 -rest_tolerance 0.1 -max_steps 150",
 }
 

@@ -18,8 +18,8 @@ namespace mpm::contact {
 /// Frictional contact of particles with a rigid surface, which knows nothing of the grid. A
 /// particle touches where its centre is nearer than its extent along the normal, and is then held
 /// by a spring with a dashpot and by a sliding spring, whose force it hands to the nodes as it does
-/// its weight (compare Nakamura, Matsumura & Mizutani 2021, Comput. Methods Appl. Mech. Eng.
-/// 386:114069). With o the overlap, u the motion along the surface and n the normal,
+/// its weight (compare Nakamura, Matsumura & Mizutani 2021, Comput. Geotech. 134:104069). With o
+/// the overlap, u the motion along the surface and n the normal,
 ///   f_n += k do >= 0,  f_t -= k du, limited by the friction law,  f = f_n n + f_t + c (do/dt) n
 /// with k = m_p/dt^2, as stiff as the step allows: under a pressure p it gives way by about p/E of
 /// a cell, E the soil's stiffness. Extents deform with the particles, since what lies between a
