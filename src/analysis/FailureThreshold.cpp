@@ -15,6 +15,9 @@ namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double fewest_readable = 0.5;  ///< share of drawn curves that must have a break
+/// A break has settled on the scatter that is there, and more of it moves it less than the first
+/// did: by a factor that the study of known curves gives (docs/data/threshold_coverage.csv).
+constexpr double widening = 1.3;
 
 double interpolated(const std::vector<double>& u_over_D, const std::vector<double>& N_d,
                     double at) {
@@ -28,29 +31,29 @@ double step_of(const SlopeCurve& curve) {
   return curve.u_over_D[1] - curve.u_over_D[0];
 }
 
-/// The N_d whose slope is the fitted one, with the mean of the curve from the start on; not below
-/// 0.
+/// The N_d whose slope is the fitted one and whose mean up to the break is that of the curve.
 std::vector<double> resistance_of(const SlopeFit& fit, const SlopeCurve& curve) {
   std::vector<double> shape;
   double N_d = 0.0, excess = 0.0, counted = 0.0;
   for (std::size_t k = 0; k < curve.N_d.size(); ++k) {
     shape.push_back(N_d);
     N_d += step_of(curve) * fit.value(curve.u_over_D[k] + 0.5 * step_of(curve));
-    if (curve.u_over_D[k] < fit.start) continue;
+    if (curve.u_over_D[k] < fit.start || curve.u_over_D[k] > fit.break_point) continue;
     excess += shape[k] - curve.N_d[k];
     counted += 1.0;
   }
-  for (double& value : shape) value = std::max(value - excess / counted, 0.0);
+  for (double& value : shape) value -= excess / counted;
   return shape;
 }
 
-/// The reading less the errors, largest error first.
-Interval without(double reading, std::vector<double> errors, double confidence) {
-  if (errors.empty()) return {none, none};
-  std::sort(errors.begin(), errors.end());
-  const double tail = 0.5 * (1.0 - confidence) * static_cast<double>(errors.size() - 1);
+/// Ends of the middle share of the values, `factor` times as far from the reading.
+Interval interval(std::vector<double> values, double reading, double confidence, double factor) {
+  if (values.empty()) return {none, none};
+  std::sort(values.begin(), values.end());
+  const double tail = 0.5 * (1.0 - confidence) * static_cast<double>(values.size() - 1);
   const auto low = static_cast<std::size_t>(std::lround(tail));
-  return {reading - errors[errors.size() - 1 - low], reading - errors[low]};
+  return {reading + factor * (values[low] - reading),
+          reading + factor * (values[values.size() - 1 - low] - reading)};
 }
 
 SlopeCurve curve_of_steps(const SlopeCurve& like, std::vector<double> N_d) {
@@ -58,30 +61,23 @@ SlopeCurve curve_of_steps(const SlopeCurve& like, std::vector<double> N_d) {
   return {like.u_over_D, std::move(N_d), std::move(slope)};
 }
 
-/// Intervals from the errors that the reading makes on drawn curves, whose threshold is known.
-void set_intervals(const SlopeCurve& curve, const ThresholdOptions& options,
-                   FailureThreshold& threshold) {
-  threshold.u_df_over_D_interval = threshold.N_df_interval = {none, none};
-  const CurveScatter scatter(curve.N_d, resistance_of(threshold.fit, curve), step_of(curve),
-                             {.tooth_period = options.tooth_period});
-  const SlopeReading known = read_slope(curve_of_steps(curve, scatter.smooth()), threshold.window);
-  if (!known.found) return;
-  const double u_df = known.fit.break_point;
-  const double N_df = interpolated(curve.u_over_D, scatter.smooth(), u_df);
-
+/// Intervals from readings of the curve with more scatter of its own kind.
+void set_intervals(const CurveScatter& scatter, const SlopeCurve& curve,
+                   const ThresholdOptions& options, FailureThreshold& threshold) {
   std::mt19937_64 engine(options.seed);
-  std::vector<double> u_errors, N_errors;
+  std::vector<double> breaks, resistances;
   for (int k = 0; k < options.resamples; ++k) {
-    const SlopeCurve drawn = curve_of_steps(curve, scatter.draw(engine));
+    const SlopeCurve drawn = curve_of_steps(curve, scatter.with_more(engine));
     const SlopeReading read = read_slope(drawn, threshold.window);
     if (!read.found) continue;
-    u_errors.push_back(read.fit.break_point - u_df);
-    N_errors.push_back(interpolated(curve.u_over_D, drawn.N_d, read.fit.break_point) - N_df);
+    breaks.push_back(read.fit.break_point);
+    resistances.push_back(interpolated(curve.u_over_D, drawn.N_d, read.fit.break_point));
   }
+  const double share = options.confidence;
   threshold.resamples_found =
-      static_cast<double>(u_errors.size()) / static_cast<double>(std::max(options.resamples, 1));
-  threshold.u_df_over_D_interval = without(threshold.u_df_over_D, u_errors, options.confidence);
-  threshold.N_df_interval = without(threshold.N_df, N_errors, options.confidence);
+      static_cast<double>(breaks.size()) / static_cast<double>(std::max(options.resamples, 1));
+  threshold.u_df_over_D_interval = interval(breaks, threshold.u_df_over_D, share, widening);
+  threshold.N_df_interval = interval(resistances, threshold.N_df, share, 1.0);
 }
 
 FailureThreshold not_found(double window, std::string reason) {
@@ -95,35 +91,52 @@ FailureThreshold not_found(double window, std::string reason) {
   return threshold;
 }
 
+std::string small_fall(const SlopeFit& fit, double smallest_fall) {
+  return fmt::format("the slope falls from {:.4g} to {:.4g} only, less than {:.0f} %", fit.largest,
+                     fit.stable, 100.0 * smallest_fall);
+}
+
+/// The threshold of the fit, yet without intervals.
+FailureThreshold threshold_at(const SlopeFit& fit, const SlopeCurve& curve, double window) {
+  FailureThreshold threshold = not_found(window, "");
+  threshold.found = true;
+  threshold.fit = fit;
+  threshold.u_df_over_D = fit.break_point;
+  threshold.N_df = interpolated(curve.u_over_D, curve.N_d, fit.break_point);
+  threshold.slope_before = fit.largest;
+  threshold.slope_after = fit.stable;
+  return threshold;
+}
+
+bool is_positive_somewhere(const SlopeCurve& curve) {
+  return std::any_of(curve.N_d.begin(), curve.N_d.end(), [](double N_d) { return N_d > 0.0; });
+}
+
 }  // namespace
 
 FailureThreshold failure_threshold(const SlopeCurve& curve, const ThresholdOptions& options) {
   const double end = curve.u_over_D.empty() ? 0.0 : curve.u_over_D.back();
   const double half_step = curve.u_over_D.empty() ? 0.0 : curve.u_over_D.front();
   const double window = std::min(options.window, end + half_step);
-  const SlopeReading read = read_slope(curve, window);
+  const SlopeReading rough = read_slope(curve, window);
+  if (!rough.found) return not_found(window, rough.reason);
+  if (!is_positive_somewhere(curve)) return not_found(window, "N_d is nowhere positive");
+
+  const CurveScatter scatter(curve.N_d, resistance_of(rough.fit, curve), step_of(curve),
+                             options.tooth_period);
+  const SlopeCurve smoother = curve_of_steps(curve, scatter.resistance());
+  const SlopeReading read = read_slope(smoother, window);
   if (!read.found) return not_found(window, read.reason);
-  const SlopeFit& fit = read.fit;
-  if (fit.stable > (1.0 - options.smallest_fall) * fit.largest) {
-    return not_found(window, fmt::format("the slope falls from {:.4g} to {:.4g} only, less than "
-                                         "{:.0f} %",
-                                         fit.largest, fit.stable, 100.0 * options.smallest_fall));
+  if (read.fit.stable > (1.0 - options.smallest_fall) * read.fit.largest) {
+    return not_found(window, small_fall(read.fit, options.smallest_fall));
   }
-  FailureThreshold threshold;
-  threshold.found = true;
-  threshold.window = window;
-  threshold.fit = fit;
-  threshold.u_df_over_D = fit.break_point;
-  threshold.N_df = interpolated(curve.u_over_D, curve.N_d, fit.break_point);
-  threshold.slope_before = fit.largest;
-  threshold.slope_after = fit.stable;
-  set_intervals(curve, options, threshold);
-  if (options.resamples > 0 && threshold.resamples_found < fewest_readable) {
-    return not_found(window, fmt::format("the scatter of N_d hides it: only {:.0f} % of curves "
-                                         "with such scatter have a break",
-                                         100.0 * threshold.resamples_found));
-  }
-  return threshold;
+  FailureThreshold threshold = threshold_at(read.fit, smoother, window);
+  if (options.resamples <= 0 || !scatter.can_be_judged()) return threshold;
+  set_intervals(scatter, smoother, options, threshold);
+  if (threshold.resamples_found >= fewest_readable) return threshold;
+  return not_found(window, fmt::format("the scatter of N_d hides it: only {:.0f} % of curves with "
+                                       "such scatter have a break",
+                                       100.0 * threshold.resamples_found));
 }
 
 std::string threshold_csv(const SlopeCurve& curve, std::span<const FailureThreshold> thresholds) {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double largest_from = 0.7;  ///< share of the largest slope where the fit starts
-constexpr std::size_t fewest_descending_points = 3;
+constexpr std::size_t fewest_descending_points = 5;
 constexpr std::size_t fewest_stable_points = 10;
 constexpr int refinement = 5;  ///< trials between two points
 
