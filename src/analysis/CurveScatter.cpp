@@ -12,7 +12,7 @@ namespace {
 using Columns = std::vector<std::vector<double>>;
 
 constexpr int harmonics = 3;  ///< of the saw-teeth
-constexpr double longest_memory = 0.8;
+constexpr double longest_memory = 0.9;
 constexpr double memory_spacing = 0.05;
 constexpr double scale_reach = 0.07;     ///< in u/D, of the mean that scatter is relative to
 constexpr double fewest_freedoms = 5.0;  ///< steps less coefficients

@@ -17,7 +17,7 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double fewest_readable = 0.5;  ///< share of drawn curves that must have a break
 /// A break has settled on the scatter that is there, and more of it moves it less than the first
 /// did: by a factor that the study of known curves gives (docs/data/threshold_coverage.csv).
-constexpr double widening = 1.3;
+constexpr double widening = 1.15;
 
 double interpolated(const std::vector<double>& u_over_D, const std::vector<double>& N_d,
                     double at) {
@@ -61,17 +61,29 @@ SlopeCurve curve_of_steps(const SlopeCurve& like, std::vector<double> N_d) {
   return {like.u_over_D, std::move(N_d), std::move(slope)};
 }
 
+/// N_d at a drawn break: along the fit, whose N_d has no scatter, and the drawn scatter there. The
+/// scatter of the curve itself would count twice.
+double resistance_at(double at, const SlopeCurve& drawn, const SlopeCurve& curve,
+                     const std::vector<double>& fitted, const FailureThreshold& threshold) {
+  const auto& x = curve.u_over_D;
+  return threshold.N_df + interpolated(x, fitted, at) -
+         interpolated(x, fitted, threshold.u_df_over_D) + interpolated(x, drawn.N_d, at) -
+         interpolated(x, curve.N_d, at);
+}
+
 /// Intervals from readings of the curve with more scatter of its own kind.
 void set_intervals(const CurveScatter& scatter, const SlopeCurve& curve,
                    const ThresholdOptions& options, FailureThreshold& threshold) {
+  const std::vector<double> fitted = resistance_of(threshold.fit, curve);
   std::mt19937_64 engine(options.seed);
   std::vector<double> breaks, resistances;
   for (int k = 0; k < options.resamples; ++k) {
     const SlopeCurve drawn = curve_of_steps(curve, scatter.with_more(engine));
     const SlopeReading read = read_slope(drawn, threshold.window);
     if (!read.found) continue;
-    breaks.push_back(read.fit.break_point);
-    resistances.push_back(interpolated(curve.u_over_D, drawn.N_d, read.fit.break_point));
+    const double at = read.fit.break_point;
+    breaks.push_back(at);
+    resistances.push_back(resistance_at(at, drawn, curve, fitted, threshold));
   }
   const double share = options.confidence;
   threshold.resamples_found =

@@ -90,7 +90,7 @@ inline History rows(const Resistance& curve, const Scatter& scatter, std::mt1993
   History history;
   for (int k = 1; k <= static_cast<int>(std::lround(end / spacing)); ++k) {
     const double u = spacing * (k - 0.5);
-    const double turns = u / scatter.tooth_period + phase;
+    const double turns = scatter.teeth > 0.0 ? u / scatter.tooth_period + phase : 0.0;
     const double tooth = lean * (2.0 * (turns - std::floor(turns)) - 1.0);
     history.u_over_D.push_back(spacing * k);
     history.N_d.push_back(curve(u) * (1.0 + scatter.noise * noise + scatter.teeth * tooth));

@@ -13,8 +13,8 @@ namespace mpm::analysis {
 ///   apart, by Akaike's criterion.
 /// - r is first-order autoregressive from step to step, r_k = phi r_(k-1) + e_k. Each draw takes
 ///   its own phi, by the restricted likelihood (Harville 1977, J. Am. Stat. Assoc. 72, 320-338)
-///   with a flat prior on 0 to 0.8, and its own variance of e, by the chi-squared distribution: one
-///   curve tells neither exactly. A phi of 0.8 reaches over 0.045 in u/D; what is longer is taken
+///   with a flat prior on 0 to 0.9, and its own variance of e, by the chi-squared distribution: one
+///   curve tells neither exactly. A phi of 0.9 reaches over 0.095 in u/D; what is longer is taken
 ///   for the curve itself.
 /// - Teeth are three harmonics of a known period, of one relative height all along the curve.
 /// Nothing is judged below a quarter of the largest N_d, where curves bend most sharply.

@@ -41,15 +41,15 @@ struct FailureThreshold {
 };
 
 /// The two segments of read_slope() are fitted to the slope curve, not to N_d: the paper takes "the
-/// intersection between the descending segment and the stable segment of the slope curve".
+/// intersection between the descending segment and the stable segment of the slope curve". Teeth
+/// of the given period are taken off N_d before.
 ///
 /// The true threshold of a curve with scatter is the one this reading gives for the same curve
-/// without scatter and saw-teeth, over the same window; the interval is meant to hold it in the
-/// given share of cases. It is made by drawing curves with the scatter that CurveScatter finds,
-/// reading each, and taking the spread of the errors (basic bootstrap, Davison and Hinkley 1997,
-/// Bootstrap Methods and their Application, 5.2). Residuals of the fit would not do: they are
-/// mostly its misfit, which is the same in every run. With the seed it is deterministic.
-/// Thresholds below u/D = 0.05 cannot be resolved with steps of 0.01.
+/// without scatter and saw-teeth, over the same window; the interval holds it in the given share of
+/// cases. It comes from reading the curve with more scatter of its own kind, as CurveScatter finds
+/// it. Residuals of the fit would not do: they are mostly its misfit, which is the same in every
+/// run. With the seed it is deterministic; NaN for a curve too short to judge its scatter, and
+/// without resamples. Thresholds below u/D = 0.05 cannot be resolved with steps of 0.01.
 FailureThreshold failure_threshold(const SlopeCurve& curve, const ThresholdOptions& options = {});
 
 /// Content of threshold.csv: u_over_D, N_d, slope and, for each threshold, the fitted slope as

@@ -47,8 +47,8 @@ struct SlopeReading {
 /// `window`; both ends of the descent are free. The stable segment is level: with a gradient of
 /// its own it would follow whatever comes late, softening or hardening, and take the break with
 /// it. It is not negative: at a peak the resistance has stopped growing, and how it softens says
-/// nothing about where. The descent takes 0.03 at least, which the five-point slope makes of any
-/// corner; the stable segment takes 0.1 at least.
+/// nothing about where. The descent takes five steps at least, over which the five-point slope
+/// smears any corner, the stable segment ten.
 SlopeReading read_slope(const SlopeCurve& curve, double window);
 
 }  // namespace mpm::analysis
