@@ -11,6 +11,8 @@ namespace {
 
 using Columns = std::vector<std::vector<double>>;
 
+/// Of fewer teeth it cannot be told whether they come again.
+constexpr double fewest_teeth = 4.0;
 constexpr int harmonics = 3;  ///< of the saw-teeth
 constexpr double longest_memory = 0.9;
 constexpr double memory_spacing = 0.05;
@@ -224,6 +226,7 @@ void CurveScatter::add(std::span<const double> heights, std::vector<double>& N_d
 
 /// Takes off the teeth less the share of them that is due to chance.
 void CurveScatter::remove_teeth(double period) {
+  if (static_cast<double>(m_carrier.size()) < fewest_teeth * period) return;
   Columns columns = waves(m_first, m_carrier.size(), period);
   add_spline(columns, m_carrier, period);
   const auto fits = regressions(columns, relative());

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "../support/KnownCurves.hpp"
+#include "support/KnownCurves.hpp"
 #include "mpm/analysis/CurveScatter.hpp"
 
 namespace mpm::support {

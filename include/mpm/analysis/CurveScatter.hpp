@@ -16,7 +16,8 @@ namespace mpm::analysis {
 ///   with a flat prior on 0 to 0.9, and its own variance of e, by the chi-squared distribution: one
 ///   curve tells neither exactly. A phi of 0.9 reaches over 0.095 in u/D; what is longer is taken
 ///   for the curve itself.
-/// - Teeth are three harmonics of a known period, of one relative height all along the curve.
+/// - Teeth are three harmonics of a known period, of one relative height all along the curve, which
+///   has to be four periods long.
 /// Nothing is judged below a quarter of the largest N_d, where curves bend most sharply.
 class CurveScatter {
  public:
