@@ -15,9 +15,10 @@ namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double fewest_readable = 0.5;  ///< share of drawn curves that must have a break
-/// A break has settled on the scatter that is there, and more of it moves it less than the first
-/// did: by a factor that the study of known curves gives (docs/data/threshold_coverage.csv).
-constexpr double widening = 1.15;
+/// A reading has settled on the scatter that is there, and more of it moves it less than the first
+/// did: by factors that the study of known curves gives (docs/data/threshold_coverage.csv).
+constexpr double widening_of_u_df = 1.15;
+constexpr double widening_of_N_df = 1.08;
 
 double interpolated(const std::vector<double>& u_over_D, const std::vector<double>& N_d,
                     double at) {
@@ -46,14 +47,14 @@ std::vector<double> resistance_of(const SlopeFit& fit, const SlopeCurve& curve) 
   return shape;
 }
 
-/// Ends of the middle share of the values, `factor` times as far from the reading.
-Interval interval(std::vector<double> values, double reading, double confidence, double factor) {
+/// Ends of the middle share of the values, `widening` times as far from the reading.
+Interval interval(std::vector<double> values, double reading, double confidence, double widening) {
   if (values.empty()) return {none, none};
   std::sort(values.begin(), values.end());
   const double tail = 0.5 * (1.0 - confidence) * static_cast<double>(values.size() - 1);
   const auto low = static_cast<std::size_t>(std::lround(tail));
-  return {reading + factor * (values[low] - reading),
-          reading + factor * (values[values.size() - 1 - low] - reading)};
+  return {reading + widening * (values[low] - reading),
+          reading + widening * (values[values.size() - 1 - low] - reading)};
 }
 
 SlopeCurve curve_of_steps(const SlopeCurve& like, std::vector<double> N_d) {
@@ -88,8 +89,8 @@ void set_intervals(const CurveScatter& scatter, const SlopeCurve& curve,
   const double share = options.confidence;
   threshold.resamples_found =
       static_cast<double>(breaks.size()) / static_cast<double>(std::max(options.resamples, 1));
-  threshold.u_df_over_D_interval = interval(breaks, threshold.u_df_over_D, share, widening);
-  threshold.N_df_interval = interval(resistances, threshold.N_df, share, 1.0);
+  threshold.u_df_over_D_interval = interval(breaks, threshold.u_df_over_D, share, widening_of_u_df);
+  threshold.N_df_interval = interval(resistances, threshold.N_df, share, widening_of_N_df);
 }
 
 FailureThreshold not_found(double window, std::string reason) {

@@ -7,7 +7,7 @@ this only passes its tables on. Coverage and widths are means over the curves of
 import csv
 import subprocess
 
-CURVES = 200
+CURVES = 120
 PROGRAM = "threshold_coverage"
 STUDIES = {"threshold_coverage": dict}
 
