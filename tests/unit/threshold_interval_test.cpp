@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "support/KnownCurves.hpp"
 #include "mpm/analysis/CurveScatter.hpp"
+#include "support/KnownCurves.hpp"
 
 namespace mpm::support {
 namespace {
