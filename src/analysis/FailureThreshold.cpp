@@ -3,197 +3,94 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <limits>
-#include <optional>
 #include <random>
 
-#include "mpm/core/Errors.hpp"
+#include "mpm/analysis/CurveScatter.hpp"
 
 namespace mpm::analysis {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t fewest_descending_points = 3;
-constexpr std::size_t fewest_stable_points = 5;
-constexpr std::size_t block_length = 5;
-constexpr double break_spacing = 0.002;
+constexpr double fewest_readable = 0.5;  ///< share of drawn curves that must have a break
+/// A reading has settled on the scatter that is there, and more of it moves it less than the first
+/// did: by factors that the study of known curves gives (docs/data/threshold_coverage.csv).
+constexpr double widening_of_u_df = 1.15;
+constexpr double widening_of_N_df = 1.08;
 
-/// The part of the slope curve that is fitted.
-struct Points {
-  std::vector<double> x;
-  std::vector<double> y;
-};
+double interpolated(const std::vector<double>& u_over_D, const std::vector<double>& N_d,
+                    double at) {
+  const auto next = std::upper_bound(u_over_D.begin() + 1, u_over_D.end() - 1, at);
+  const auto k = static_cast<std::size_t>(next - u_over_D.begin());
+  const double share = (at - u_over_D[k - 1]) / (u_over_D[k] - u_over_D[k - 1]);
+  return (1.0 - share) * N_d[k - 1] + share * N_d[k];
+}
 
-void check(std::span<const double> u_over_D, std::span<const double> N_d) {
-  if (u_over_D.size() != N_d.size()) {
-    throw BadInput(fmt::format("failure threshold: {} displacements but {} resistances",
-                               u_over_D.size(), N_d.size()));
+double step_of(const SlopeCurve& curve) {
+  return curve.u_over_D[1] - curve.u_over_D[0];
+}
+
+/// The N_d whose slope is the fitted one and whose mean up to the break is that of the curve.
+std::vector<double> resistance_of(const SlopeFit& fit, const SlopeCurve& curve) {
+  std::vector<double> shape;
+  double N_d = 0.0, excess = 0.0, counted = 0.0;
+  for (std::size_t k = 0; k < curve.N_d.size(); ++k) {
+    shape.push_back(N_d);
+    N_d += step_of(curve) * fit.value(curve.u_over_D[k] + 0.5 * step_of(curve));
+    if (curve.u_over_D[k] < fit.start || curve.u_over_D[k] > fit.break_point) continue;
+    excess += shape[k] - curve.N_d[k];
+    counted += 1.0;
   }
-  double previous = 0.0;
-  for (std::size_t k = 0; k < N_d.size(); ++k) {
-    if (!std::isfinite(N_d[k]) || !std::isfinite(u_over_D[k]) || u_over_D[k] < previous) {
-      throw BadInput(
-          fmt::format("failure threshold: row {} has u/D = {}, N_d = {}; both must be "
-                      "finite and u/D must not fall below {}",
-                      k, u_over_D[k], N_d[k], previous));
-    }
-    previous = u_over_D[k];
-  }
+  for (double& value : shape) value -= excess / counted;
+  return shape;
 }
 
-/// Steps of the averaged curve that are covered by at least half.
-std::size_t number_of_steps(std::span<const double> u_over_D, double step) {
-  return u_over_D.empty() ? 0 : static_cast<std::size_t>(u_over_D.back() / step + 0.5 + 1e-9);
-}
-
-/// Mean over each step of the piecewise constant curve that the rows are.
-std::vector<double> averaged(std::span<const double> u_over_D, std::span<const double> N_d,
-                             double step) {
-  const std::size_t steps = number_of_steps(u_over_D, step);
-  std::vector<double> sum(steps, 0.0);
-  std::vector<double> covered(steps, 0.0);
-  double from = 0.0;
-  for (std::size_t row = 0; row < N_d.size(); from = u_over_D[row++]) {
-    for (auto k = static_cast<std::size_t>(from / step); k < steps; ++k) {
-      const double low = std::max(from, step * static_cast<double>(k));
-      const double high = std::min(u_over_D[row], step * static_cast<double>(k + 1));
-      if (low >= u_over_D[row]) break;
-      sum[k] += N_d[row] * std::max(high - low, 0.0);
-      covered[k] += std::max(high - low, 0.0);
-    }
-  }
-  std::transform(sum.begin(), sum.end(), covered.begin(), sum.begin(), std::divides<>());
-  return sum;
-}
-
-Points points_to_fit(const SlopeCurve& curve, double window) {
-  Points all;
-  for (std::size_t k = 0; k < curve.slope.size(); ++k) {
-    if (std::isnan(curve.slope[k]) || curve.u_over_D[k] > window) continue;
-    all.x.push_back(curve.u_over_D[k]);
-    all.y.push_back(curve.slope[k]);
-  }
-  // The last of equal ones: a plateau before the descent is no part of it.
-  const double largest = all.y.empty() ? 0.0 : *std::max_element(all.y.begin(), all.y.end());
-  const auto last = std::find_if(all.y.rbegin(), all.y.rend(), [largest](double y) {
-    return y >= largest - 1e-9 * std::abs(largest);
-  });
-  const auto skipped = std::distance(last, all.y.rend()) - (all.y.empty() ? 0 : 1);
-  all.x.erase(all.x.begin(), all.x.begin() + skipped);
-  all.y.erase(all.y.begin(), all.y.begin() + skipped);
-  return all;
-}
-
-/// Sums over the points on one side of a break, about the break: of 1, t, t^2, y, t y, y^2 with
-/// t = x - break.
-struct Moments {
-  double n = 0.0, t = 0.0, tt = 0.0, y = 0.0, ty = 0.0, yy = 0.0;
-
-  void add(double distance, double value) {
-    n += 1.0;
-    t += distance;
-    tt += distance * distance;
-    y += value;
-    ty += distance * value;
-    yy += value * value;
-  }
-};
-
-struct Candidate {
-  SlopeFit fit;
-  double residual = std::numeric_limits<double>::infinity();
-};
-
-/// Least squares of y = v + descent t (t < 0), v + drift t (t >= 0) for a given break.
-Candidate fit_with_break(const Points& points, double break_point) {
-  Moments left, right;
-  for (std::size_t k = 0; k < points.x.size(); ++k) {
-    const double t = points.x[k] - break_point;
-    (t < 0.0 ? left : right).add(t, points.y[k]);
-  }
-  Candidate result;
-  // Elimination of both gradients leaves one equation for the value at the break.
-  const double weight = left.n + right.n - left.t * left.t / left.tt - right.t * right.t / right.tt;
-  const double at_break =
-      (left.y + right.y - left.t * left.ty / left.tt - right.t * right.ty / right.tt) / weight;
-  SlopeFit& fit = result.fit;
-  fit.start = points.x.front();
-  fit.break_point = break_point;
-  fit.descent = (left.ty - at_break * left.t) / left.tt;
-  fit.drift = (right.ty - at_break * right.t) / right.tt;
-  fit.value_at_start = at_break + fit.descent * (fit.start - break_point);
-  result.residual = left.yy + right.yy - at_break * (left.y + right.y) - fit.descent * left.ty -
-                    fit.drift * right.ty;
-  return result;
-}
-
-bool has_knee(const SlopeFit& fit) {
-  return fit.descent < 0.0 && fit.drift > fit.descent;
-}
-
-/// The best broken line; none when the points are too few or bend the other way.
-std::optional<SlopeFit> best_fit(const Points& points) {
-  const std::size_t size = points.x.size();
-  if (size < fewest_descending_points + fewest_stable_points) return std::nullopt;
-  const double first = points.x[fewest_descending_points - 1];
-  const double last = points.x[size - fewest_stable_points];
-  Candidate best;
-  const auto trials = static_cast<int>((last - first) / break_spacing + 1e-9);
-  for (int k = 1; k <= trials; ++k) {
-    const Candidate candidate = fit_with_break(points, first + break_spacing * k);
-    if (has_knee(candidate.fit) && candidate.residual < best.residual) best = candidate;
-  }
-  if (std::isinf(best.residual)) return std::nullopt;
-  return best.fit;
-}
-
-double interpolated(const SlopeCurve& curve, double u_over_D) {
-  const auto& x = curve.u_over_D;
-  const auto next = std::upper_bound(x.begin() + 1, x.end() - 1, u_over_D);
-  const auto k = static_cast<std::size_t>(std::distance(x.begin(), next));
-  const double share = (u_over_D - x[k - 1]) / (x[k] - x[k - 1]);
-  return (1.0 - share) * curve.N_d[k - 1] + share * curve.N_d[k];
-}
-
-/// The fitted curve with residuals drawn in blocks, since neighbouring slopes share data.
-Points resampled(const Points& points, const SlopeFit& fit, std::mt19937_64& engine) {
-  Points sample = points;
-  const std::size_t starts = points.x.size() - block_length + 1;
-  std::size_t source = 0;
-  for (std::size_t k = 0; k < points.x.size(); ++k, ++source) {
-    // The remainder, not a distribution: the standard leaves those to the library.
-    if (k % block_length == 0) source = static_cast<std::size_t>(engine() % starts);
-    sample.y[k] = fit.value(points.x[k]) + points.y[source] - fit.value(points.x[source]);
-  }
-  return sample;
-}
-
-Interval percentiles(std::vector<double> values, double confidence) {
+/// Ends of the middle share of the values, `widening` times as far from the reading.
+Interval interval(std::vector<double> values, double reading, double confidence, double widening) {
   if (values.empty()) return {none, none};
   std::sort(values.begin(), values.end());
   const double tail = 0.5 * (1.0 - confidence) * static_cast<double>(values.size() - 1);
   const auto low = static_cast<std::size_t>(std::lround(tail));
-  return {values[low], values[values.size() - 1 - low]};
+  return {reading + widening * (values[low] - reading),
+          reading + widening * (values[values.size() - 1 - low] - reading)};
 }
 
-void bootstrap(const SlopeCurve& curve, const Points& points, const ThresholdOptions& options,
-               FailureThreshold& threshold) {
+SlopeCurve curve_of_steps(const SlopeCurve& like, std::vector<double> N_d) {
+  std::vector<double> slope = slopes_of_steps(N_d, step_of(like));
+  return {like.u_over_D, std::move(N_d), std::move(slope)};
+}
+
+/// N_d at a drawn break: along the fit, whose N_d has no scatter, and the drawn scatter there. The
+/// scatter of the curve itself would count twice.
+double resistance_at(double at, const SlopeCurve& drawn, const SlopeCurve& curve,
+                     const std::vector<double>& fitted, const FailureThreshold& threshold) {
+  const auto& x = curve.u_over_D;
+  return threshold.N_df + interpolated(x, fitted, at) -
+         interpolated(x, fitted, threshold.u_df_over_D) + interpolated(x, drawn.N_d, at) -
+         interpolated(x, curve.N_d, at);
+}
+
+/// Intervals from readings of the curve with more scatter of its own kind.
+void set_intervals(const CurveScatter& scatter, const SlopeCurve& curve,
+                   const ThresholdOptions& options, FailureThreshold& threshold) {
+  const std::vector<double> fitted = resistance_of(threshold.fit, curve);
   std::mt19937_64 engine(options.seed);
   std::vector<double> breaks, resistances;
   for (int k = 0; k < options.resamples; ++k) {
-    const auto fit = best_fit(resampled(points, threshold.fit, engine));
-    if (!fit) continue;
-    breaks.push_back(fit->break_point);
-    resistances.push_back(interpolated(curve, fit->break_point));
+    const SlopeCurve drawn = curve_of_steps(curve, scatter.with_more(engine));
+    const SlopeReading read = read_slope(drawn, threshold.window);
+    if (!read.found) continue;
+    const double at = read.fit.break_point;
+    breaks.push_back(at);
+    resistances.push_back(resistance_at(at, drawn, curve, fitted, threshold));
   }
+  const double share = options.confidence;
   threshold.resamples_found =
       static_cast<double>(breaks.size()) / static_cast<double>(std::max(options.resamples, 1));
-  threshold.u_df_over_D_interval = percentiles(breaks, options.confidence);
-  threshold.N_df_interval = percentiles(resistances, options.confidence);
+  threshold.u_df_over_D_interval = interval(breaks, threshold.u_df_over_D, share, widening_of_u_df);
+  threshold.N_df_interval = interval(resistances, threshold.N_df, share, widening_of_N_df);
 }
 
 FailureThreshold not_found(double window, std::string reason) {
@@ -207,55 +104,52 @@ FailureThreshold not_found(double window, std::string reason) {
   return threshold;
 }
 
+std::string small_fall(const SlopeFit& fit, double smallest_fall) {
+  return fmt::format("the slope falls from {:.4g} to {:.4g} only, less than {:.0f} %", fit.largest,
+                     fit.stable, 100.0 * smallest_fall);
+}
+
+/// The threshold of the fit, yet without intervals.
+FailureThreshold threshold_at(const SlopeFit& fit, const SlopeCurve& curve, double window) {
+  FailureThreshold threshold = not_found(window, "");
+  threshold.found = true;
+  threshold.fit = fit;
+  threshold.u_df_over_D = fit.break_point;
+  threshold.N_df = interpolated(curve.u_over_D, curve.N_d, fit.break_point);
+  threshold.slope_before = fit.largest;
+  threshold.slope_after = fit.stable;
+  return threshold;
+}
+
+bool is_positive_somewhere(const SlopeCurve& curve) {
+  return std::any_of(curve.N_d.begin(), curve.N_d.end(), [](double N_d) { return N_d > 0.0; });
+}
+
 }  // namespace
-
-double SlopeFit::value(double u_over_D) const {
-  return value_at_start + descent * (std::min(u_over_D, break_point) - start) +
-         drift * std::max(u_over_D - break_point, 0.0);
-}
-
-SlopeCurve slope_curve(std::span<const double> u_over_D, std::span<const double> N_d, double step) {
-  check(u_over_D, N_d);
-  SlopeCurve curve;
-  curve.N_d = averaged(u_over_D, N_d, step);
-  curve.slope.assign(curve.N_d.size(), none);
-  for (std::size_t k = 0; k < curve.N_d.size(); ++k) {
-    curve.u_over_D.push_back(step * (static_cast<double>(k) + 0.5));
-    if (k < 2 || k + 2 >= curve.N_d.size()) continue;
-    const double* y = &curve.N_d[k];
-    curve.slope[k] = (2.0 * (y[2] - y[-2]) + y[1] - y[-1]) / (10.0 * step);
-  }
-  return curve;
-}
 
 FailureThreshold failure_threshold(const SlopeCurve& curve, const ThresholdOptions& options) {
   const double end = curve.u_over_D.empty() ? 0.0 : curve.u_over_D.back();
   const double half_step = curve.u_over_D.empty() ? 0.0 : curve.u_over_D.front();
   const double window = std::min(options.window, end + half_step);
-  const Points points = points_to_fit(curve, window);
-  const auto fit = best_fit(points);
-  if (!fit) {
-    return not_found(window, fmt::format("the slope shows no descending and stable segment in its "
-                                         "{} points up to u/D = {:.3g}",
-                                         points.x.size(), window));
+  const SlopeReading rough = read_slope(curve, window);
+  if (!rough.found) return not_found(window, rough.reason);
+  if (!is_positive_somewhere(curve)) return not_found(window, "N_d is nowhere positive");
+
+  const CurveScatter scatter(curve.N_d, resistance_of(rough.fit, curve), step_of(curve),
+                             options.tooth_period);
+  const SlopeCurve smoother = curve_of_steps(curve, scatter.resistance());
+  const SlopeReading read = read_slope(smoother, window);
+  if (!read.found) return not_found(window, read.reason);
+  if (read.fit.stable > (1.0 - options.smallest_fall) * read.fit.largest) {
+    return not_found(window, small_fall(read.fit, options.smallest_fall));
   }
-  const double before = fit->value_at_start;
-  const double after = fit->value(0.5 * (fit->break_point + points.x.back()));
-  if (after > (1.0 - options.smallest_fall) * before) {
-    return not_found(window, fmt::format("the slope falls from {:.4g} to {:.4g} only, less than "
-                                         "{:.0f} %",
-                                         before, after, 100.0 * options.smallest_fall));
-  }
-  FailureThreshold threshold;
-  threshold.found = true;
-  threshold.window = window;
-  threshold.fit = *fit;
-  threshold.u_df_over_D = fit->break_point;
-  threshold.N_df = interpolated(curve, fit->break_point);
-  threshold.slope_before = before;
-  threshold.slope_after = after;
-  bootstrap(curve, points, options, threshold);
-  return threshold;
+  FailureThreshold threshold = threshold_at(read.fit, smoother, window);
+  if (options.resamples <= 0 || !scatter.can_be_judged()) return threshold;
+  set_intervals(scatter, smoother, options, threshold);
+  if (threshold.resamples_found >= fewest_readable) return threshold;
+  return not_found(window, fmt::format("the scatter of N_d hides it: only {:.0f} % of curves with "
+                                       "such scatter have a break",
+                                       100.0 * threshold.resamples_found));
 }
 
 std::string threshold_csv(const SlopeCurve& curve, std::span<const FailureThreshold> thresholds) {

@@ -262,9 +262,10 @@ void Pipe::report_threshold(io::Summary& summary) const {
   summary.set("N_d_end", m_history->last(N_d_column));
   const analysis::SlopeCurve curve =
       analysis::slope_curve(m_history->column(u_over_D_column), m_history->column(N_d_column));
+  const double tooth_period = m_pipe.cell() / m_pipe.diameter;  // of contact passing grid lines
   const std::vector<analysis::FailureThreshold> thresholds{
-      analysis::failure_threshold(curve, {.window = 0.75}),
-      analysis::failure_threshold(curve, {.window = 0.9})};
+      analysis::failure_threshold(curve, {.window = 0.75, .tooth_period = tooth_period}),
+      analysis::failure_threshold(curve, {.window = 0.9, .tooth_period = tooth_period})};
   io::write_text_file(path("threshold.csv"), analysis::threshold_csv(curve, thresholds));
   add(summary, analysis::threshold_summary(thresholds[0]));
   add(summary, analysis::threshold_summary(thresholds[1], "_to_0.9"));
