@@ -101,23 +101,30 @@ Regularisation<dim>::Regularisation(const RegularisationOptions& options,
                                     particles::Particles<dim>& particles)
     : m_every(options.every),
       m_particles(particles),
+      m_softening(find_softening(options.length)),
       m_bases(averaging_bases<dim>(lines, walls, options.length)),
       m_grid(own_grid<dim>(m_bases)),
       m_walls(walls) {
-  for (std::size_t k = 0; k < particles.materials().size(); ++k)
-    find_softening(static_cast<int>(k));
-  if (m_names.empty())
-    throw BadInput(fmt::format(
-        "-regularisation_length {} m: no law of this run softens by its state, there is nothing "
-        "to average; 0 is allowed, or a law that does, such as sand",
-        options.length));
   m_sums = std::make_unique<grid::NodalField<dim>>(
       *m_grid, std::vector<grid::Component>(2 * m_names.size(), {grid::Component::scalar}));
 }
 
 template <int dim>
-void Regularisation<dim>::find_softening(int material) {
-  std::vector<Softening>& softening = m_softening.emplace_back();
+auto Regularisation<dim>::find_softening(double L) -> std::vector<std::vector<Softening>> {
+  std::vector<std::vector<Softening>> softening;
+  for (std::size_t k = 0; k < m_particles.materials().size(); ++k)
+    softening.push_back(softening_of(static_cast<int>(k)));
+  if (m_names.empty())
+    throw BadInput(fmt::format(
+        "-regularisation_length {} m: no law of this run softens by its state, there is nothing "
+        "to average; 0 is allowed, or a law that does, such as sand",
+        L));
+  return softening;
+}
+
+template <int dim>
+auto Regularisation<dim>::softening_of(int material) -> std::vector<Softening> {
+  std::vector<Softening> softening;
   const auto& law = *m_particles.materials()[static_cast<std::size_t>(material)];
   for (const material::StateVariable& variable : law.state_variables()) {
     if (variable.role != material::StateRole::softening) continue;
@@ -128,6 +135,7 @@ void Regularisation<dim>::find_softening(int material) {
         {m_particles.state(material, variable.name),
          m_particles.fields().handle(particles::name_before_averaging(variable.name)), number});
   }
+  return softening;
 }
 
 /// visit(material, range of its particles) for the laws that soften.

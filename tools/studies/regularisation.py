@@ -24,7 +24,8 @@ def fits(length, cell):
 def biaxial_jobs():
     """Biaxial compression of the house sand."""
     for cell in CELLS:
-        base = {"scene": "biaxial", "sand": "stockton", "cell_size": cell} | NUMERICS
+        base = {"scene": "biaxial", "sand": "stockton", "cell_size": cell,
+                "rest_tolerance": 0.01} | NUMERICS
         yield f"cell{cell}_local", base
         for length in LENGTHS:
             if fits(length, cell):

@@ -60,7 +60,8 @@ class Regularisation {
     int number;  ///< of the variable, which laws may share
   };
 
-  void find_softening(int material);
+  std::vector<std::vector<Softening>> find_softening(double L);
+  std::vector<Softening> softening_of(int material);
   void average(const particles::ParticleView<dim>& view);
   std::vector<transfer::AveragedState> states(const particles::ParticleView<dim>& view,
                                               int material);
