@@ -43,9 +43,9 @@ SandLaw::SandLaw(const SandParameters& sand)
       m_gap(sand),
       m_cohesion_shift(material::cohesion_shift(sand)),
       m_state_variables{
-          {"void_ratio", "void ratio of the skeleton", "1", sand.void_ratio},
+          {"void_ratio", "void ratio of the skeleton", "1", sand.void_ratio, StateRole::softening},
           {"eps_q", "deviatoric strain measure of the loading surface, grows when plastic", "1",
-           0.0},
+           0.0, StateRole::softening},
           {"gap_volume_ratio", "volume ratio of gaps opened at the pressure floor", "1", 1.0}} {}
 
 double SandLaw::initial_density() const {

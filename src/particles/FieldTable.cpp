@@ -94,6 +94,8 @@ FieldTable<dim>::FieldTable(const Materials& materials, const OptionalColumns& o
   for (Field<dim>& field : declared_fields<dim>(optional)) add(std::move(field));
   const std::size_t own = m_fields.size();
   for (const auto& law : materials) add_states(*law, own);
+  if (!optional.softening_before) return;
+  for (const auto& law : materials) add_softening_before(*law);
 }
 
 template <int dim>
@@ -122,6 +124,16 @@ void FieldTable<dim>::add_states(const material::Material& law, std::size_t own)
           "law '{}' declares '{}' in {}, which is there in {} already: give it another name",
           law.name(), variable.name, variable.unit, m_fields[k].unit));
     states.push_back(StateHandle(m_first_column[k]));
+  }
+}
+
+template <int dim>
+void FieldTable<dim>::add_softening_before(const material::Material& law) {
+  for (const material::StateVariable& variable : law.state_variables()) {
+    const std::string name = name_before_averaging(variable.name);
+    if (variable.role != material::StateRole::softening || has(name)) continue;
+    add({name, variable.long_name + ", when last averaged", variable.unit, Shape::scalar,
+         Role::state});
   }
 }
 

@@ -205,6 +205,7 @@ void Run<dim>::persist(Archive& archive) {
   for (std::size_t k = 0; k < m_problem.bodies.size(); ++k)
     archive.group(fmt::format("body{}", k), [&] { m_problem.bodies[k]->persist(archive); });
   archive.group("ledger", [&] { m_simulation.persist_ledger(archive); });
+  archive.group("regularisation", [&] { m_simulation.persist_regularisation(archive); });
   archive.group("constraints", [&] { m_simulation.persist_constraints(archive); });
   archive("has_main_begun", m_has_main_begun);
   archive("last_written", m_last_written);

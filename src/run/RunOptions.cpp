@@ -33,6 +33,7 @@ void RunOptions::declare(options::OptionSet& options) {
                {"", "directory of all results, made if missing", "chosen"});
   declare_basis(options);
   declare_step(options);
+  declare_regularisation(options);
   declare_balance(options);
   declare_outputs(options);
 }
@@ -88,6 +89,22 @@ void RunOptions::declare_step(options::OptionSet& options) {
        "docs/methods.md; the paper uses 0.3"});
   options.integer("particles_per_cell_direction", particles_per_cell_direction, {1, 16},
                   {"1", "particles per cell and direction", "paper, section 3.3"});
+}
+
+void RunOptions::declare_regularisation(options::OptionSet& options) {
+  options.real(
+      "regularisation_length", regularisation_length, options::not_negative(),
+      {"m",
+       "length over which the increments of what softens a law (void ratio, eps_q of sand) are "
+       "averaged, whatever the cells; at least two of the smallest cells, 0 not at all",
+       "docs/model.md"});
+  options.integer("regularisation_every", regularisation_every, {1, 1'000'000},
+                  {"steps", "steps between two averagings", "docs/model.md"});
+  options.rule([this, &options] {
+    if (regularisation_length > 0.0 || !options.is_changed("regularisation_every")) return;
+    throw options::bad_input({options.given("regularisation_every"), "has no effect here",
+                              "only with a length", "give -regularisation_length, too"});
+  });
 }
 
 void RunOptions::declare_balance(options::OptionSet& options) {

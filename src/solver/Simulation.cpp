@@ -69,6 +69,7 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
       m_particles(std::make_unique<particles::Particles<dim>>(
           *m_grid, setup.materials,
           particles::OptionalColumns{.velocity_gradient = setup.transfer == Transfer::apic,
+                                     .softening_before = setup.regularisation.is_on(),
                                      .contacts = setup.particle_contacts})),
       m_boundary(std::make_unique<particles::BoundaryParticles<dim>>(*m_grid)),
       m_step(make_step(setup)),
@@ -77,6 +78,9 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
   m_options.transfer = setup.transfer;
   m_options.flip_time = setup.flip_time;
   m_options.averages_volume = setup.averages_volume;
+  if (setup.regularisation.is_on())
+    m_regularisation = std::make_unique<Regularisation<dim>>(setup.regularisation, setup.lines,
+                                                             setup.walls, *m_particles);
   seed(setup);
   declare_causes();
   open_ledger();
@@ -194,7 +198,9 @@ StepTimes Simulation<dim>::advance(double time, double dt) {
       return m_body_force(X, time);
     };
   for (auto* constraint : m_constraints) constraint->look_at_particles(dt);
+  if (m_regularisation) m_regularisation->begin_step();
   agree(m_step->advance(times, m_options), times);
+  if (m_regularisation) m_regularisation->end_step();
   m_dt_old = dt;
   ++m_steps;
   ++m_steps_since_renewal;

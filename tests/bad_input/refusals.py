@@ -123,6 +123,15 @@ CASES = [
      ["-sand_kappa 0.02", "no effect", "-sand_bulk log"]),
     (point("sand6", "-sand_d0", "1.3"), ["-sand_d0 1.3", "1.24", "-sand_Mc"]),
     (point("sand7", "-sand_poisson", "0.5"), ["-sand_poisson 0.5", "< 0.5"]),
+    # softening averaged over a length
+    (["-scene", "biaxial", "-regularisation_length", "0.19"],
+     ["-regularisation_length 0.19", "at least 0.2 m"]),
+    (["-scene", "pipe", "-regularisation_length", "9"], ["-regularisation_length 9", "at most"]),
+    (["-scene", "mms1d", "-regularisation_length", "0.5"], ["-regularisation_length 0.5", "no law"]),
+    (["-scene", "biaxial", "-regularisation_length", "-0.2"], ["-regularisation_length -0.2"]),
+    (["-scene", "biaxial", "-regularisation_every", "0"], ["-regularisation_every 0"]),
+    (["-scene", "biaxial", "-regularisation_every", "7"],
+     ["-regularisation_every 7", "no effect", "-regularisation_length"]),
     # a problem put together by options
     (["-scene", "custom"], ["-domain", "is required"]),
     (custom(1, "-region_soil_layer", "0,1"), ["-region_soil_layer", "beside -region_soil_box"]),

@@ -34,13 +34,20 @@ struct TensorView {
   }
 };
 
-/// A quantity that a law keeps per particle. Declared once; registration, output and restart
-/// follow from it.
+/// What a state variable does to the law.
+enum class StateRole {
+  plain,     ///< nothing that has to be known
+  softening  ///< its growth makes the law weaker: averaged where a run is regularised
+};
+
+/// A quantity that a law keeps per particle. Declared once; registration, output, restart and
+/// regularisation follow from it.
 struct StateVariable {
   std::string name;       ///< identifier, e.g. "void_ratio"
   std::string long_name;  ///< for people, with the sign convention where there is one
   std::string unit;       ///< SI, "1" when dimensionless
   double initial;         ///< value of a new, unstressed particle
+  StateRole role = StateRole::plain;
 };
 
 /// Views of the particles of one material. Stress and strain are tension positive.

@@ -22,8 +22,14 @@ using Materials = std::vector<std::shared_ptr<const material::Material>>;
 /// Columns that only some runs need.
 struct OptionalColumns {
   bool velocity_gradient = false;  ///< of the particle's own motion, carried by affine transfers
+  bool softening_before = false;   ///< laws' softening states when they were last averaged
   std::vector<std::string> contacts = {};  ///< labels of contacts found at particles
 };
+
+/// Field with the value that a softening state had when it was last averaged.
+inline std::string name_before_averaging(std::string_view state) {
+  return std::string(state) + "_before_averaging";
+}
 
 enum class Shape {
   scalar,
@@ -113,6 +119,7 @@ class FieldTable {
   std::size_t first_column(std::string_view name, Type type) const;
   void add(Field<dim> field);
   void add_states(const material::Material& law, std::size_t own);
+  void add_softening_before(const material::Material& law);
 
   std::vector<Field<dim>> m_fields;
   std::vector<std::size_t> m_first_column;         ///< of each field

@@ -22,6 +22,8 @@ struct RunOptions {
   solver::Transfer transfer = solver::Transfer::flip;
   std::optional<double> flip_time;  ///< s; 0 is pure FLIP
   bool averages_volume = false;
+  double regularisation_length = 0.0;  ///< m
+  std::int64_t regularisation_every = 20;
   /// What a scene takes at the most unless told otherwise, where its answer needs small steps.
   double largest_courant = 2.0;
   std::optional<double> given_courant;
@@ -55,6 +57,7 @@ struct RunOptions {
     setup.scheme = scheme;
     setup.courant = courant();
     setup.averages_volume = averages_volume;
+    setup.regularisation = {regularisation_length, static_cast<int>(regularisation_every)};
     setup.transfer = transfer;
     setup.balance = balance;
     if (flip_time.value_or(0.0) > 0.0) setup.flip_time = *flip_time;
@@ -64,6 +67,7 @@ struct RunOptions {
  private:
   void declare_basis(options::OptionSet& options);
   void declare_step(options::OptionSet& options);
+  void declare_regularisation(options::OptionSet& options);
   void declare_balance(options::OptionSet& options);
   void declare_outputs(options::OptionSet& options);
 };

@@ -16,6 +16,7 @@
 #include "mpm/particles/Seeding.hpp"
 #include "mpm/petsc/Session.hpp"
 #include "mpm/solver/Balance.hpp"
+#include "mpm/solver/Regularisation.hpp"
 #include "mpm/solver/Step.hpp"
 #include "mpm/solver/StepTimes.hpp"
 
@@ -38,6 +39,7 @@ struct SimulationSetup {
   double flip_time = std::numeric_limits<double>::infinity();  ///< s, see StepOptions
   bool averages_volume = false;                                ///< see StepOptions
   std::vector<std::string> particle_contacts = {};  ///< labels of contacts found at particles
+  RegularisationOptions regularisation = {};
   BalanceOptions balance = {};
   /// The ranks that share the run; the caller's, see petsc::Communicator.
   petsc::Communicator communicator = petsc::world();
@@ -98,6 +100,9 @@ class Simulation {
   /// Opens it anew; after particles have been given velocities by hand. Collective.
   void open_ledger();
   void persist_ledger(Archive& archive) { m_ledger.persist(archive); }
+  void persist_regularisation(Archive& archive) {
+    if (m_regularisation) m_regularisation->persist(archive);
+  }
 
   /// Sum of |f| over all nodes without damping, N. Collective.
   double unbalanced_force() const;
@@ -130,6 +135,7 @@ class Simulation {
   grid::Walls<dim> m_walls;
   std::unique_ptr<particles::Particles<dim>> m_particles;
   std::unique_ptr<particles::BoundaryParticles<dim>> m_boundary;
+  std::unique_ptr<Regularisation<dim>> m_regularisation;  ///< null where softening is left alone
   std::vector<std::shared_ptr<grid::Constraint<dim>>> m_owned_constraints;
   Constraints<dim> m_constraints;
   Ledger<dim> m_ledger;
