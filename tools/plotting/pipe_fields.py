@@ -12,6 +12,8 @@ from .particle_field import triangulate
 from .run import MissingData
 from .scales import about_far_field, from_zero
 
+LONGEST_SIDE = 7  # particle distances: under the pipe soil is drawn out sideways by as much
+
 FIRST_MOMENT = 0.06  # the paper's first picture: the wedge
 USUAL_THRESHOLD = 0.2
 SPIRAL_ANGLES = {36: "--", 43: (0, (1, 1.5))}
@@ -42,7 +44,8 @@ class Frame:
         self.half = run.summary.get("symmetry", "half") == "half"
         points = (output.field("position")[:, :2] - origin) / self.diameter
         self.seen = view.holds(points)
-        self.mesh = triangulate(self._with_mirror(points[self.seen], [-1, 1]), self._in_pipe)
+        self.mesh = triangulate(self._with_mirror(points[self.seen], [-1, 1]), self._in_pipe,
+                                LONGEST_SIDE)
         if self.mesh is None:
             raise MissingData(f"{output.path} has too few particles near the pipe for a picture")
 
