@@ -23,7 +23,7 @@ class Case:
     largest_reaction_difference: float
     largest_load_over_mean: float = 1.2
     reaction_difference: str = "reaction_difference_max"  # answer of the summary
-    # Rows that may differ by more, since a node came into contact one step sooner or later.
+    # Rows that may differ by more: contact began, or the soil came to rest, sooner or later.
     rows_at_a_switch: int = 0
     largest_difference_at_a_switch: float = 0.0
 
@@ -43,8 +43,10 @@ CASES = {
     # ranks: a step's impulse counts in one row or in the next.
     "pipe": Case(PIPE, "N_d", 3e-4, 0.03, rows_at_a_switch=2,
                  largest_difference_at_a_switch=2e-3),
-    # As measured: 8e-5 in the first row, 1e-5 later.
-    "pipe_paper": Case(PIPE | {"sand": "stockton_paper"}, "N_d", 1e-4, 0.03),
+    # As measured: 2.7e-4 in the first row, since the soil comes to rest a check sooner or later and
+    # local damping knows signs alone; 2.7e-5 later.
+    "pipe_paper": Case(PIPE | {"sand": "stockton_paper"}, "N_d", 1e-4, 0.03, rows_at_a_switch=1,
+                       largest_difference_at_a_switch=1e-3),
     # The consolidation may end a check sooner or later: 2.4e-4 at worst as measured.
     "biaxial": Case({"scene": "biaxial", "cell_size": 0.125, "strain_end": 0.01},
                     "vertical_stress_Pa", 1e-3, 0.015, 1.3, "stress_difference_max"),
