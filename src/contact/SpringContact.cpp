@@ -57,16 +57,6 @@ double half_extent(const particles::ParticleView<dim>& view, int p, const Vector
   return std::sqrt(std::max(0.0, dot<dim>(n, product<dim>(A, n))));
 }
 
-/// Gives a particle the half extent `reach` along n instead of `half`.
-template <int dim>
-void set_half_extent(const particles::ParticleView<dim>& view, int p, const Vector<dim>& n,
-                     double half, double reach) {
-  for (int i = 0; i < dim; ++i)
-    for (int j = i; j < dim; ++j)
-      view.extent[static_cast<std::size_t>(tensor_index[i][j])][p] +=
-          (reach * reach - half * half) * n[i] * n[j];
-}
-
 /// Largest half extent of a particle in any direction, or more.
 template <int dim>
 double largest_half_extent(const particles::ParticleView<dim>& view, int p) {
@@ -121,6 +111,7 @@ SpringContact<dim>::SpringContact(const grid::Grid<dim>& grid, const grid::Walls
       m_force(particles.fields().handle(options.label + "_force")),
       m_place(particles.fields().handle(options.label + "_place")),
       m_overlap(particles.fields().handle(options.label + "_overlap")),
+      m_reach(particles.fields().handle(options.label + "_reach")),
       m_nodal_force(grid, vector_components<dim>()) {}
 
 template <int dim>
@@ -154,7 +145,8 @@ template <int dim>
 void SpringContact<dim>::look_at(const View& view, int p, double dt) {
   const geometry::Proximity<dim> surface = m_body->locate(view.position_of(p));
   if (std::isnan(view[m_overlap][p])) begin(view, p, surface);
-  const double overlap = half_extent<dim>(view, p, surface.normal) - surface.distance;
+  const double overlap =
+      view[m_reach][p] * half_extent<dim>(view, p, surface.normal) - surface.distance;
   const double last_overlap = std::exchange(view[m_overlap][p], overlap);
   const Vector<dim> place = m_body->in_body_frame(view.position_of(p));
   const Vector<dim> last_place = vector_of<dim>(view, m_place, p);
@@ -192,8 +184,8 @@ Vector<dim> SpringContact<dim>::held_by_springs(const Touch& touch) const {
   return m_friction->velocity_change(against, n);
 }
 
-/// A particle that is seen for the first time. Extents along the normal end at the surface where
-/// they would pass it; where the soil carries a pressure, those of its first layer reach up to it.
+/// A particle that is seen for the first time. Its soil ends at the surface where its extent would
+/// pass it; where it carries a pressure, that of the first layer reaches up to the surface.
 template <int dim>
 void SpringContact<dim>::begin(const View& view, int p,
                                const geometry::Proximity<dim>& surface) const {
@@ -201,9 +193,10 @@ void SpringContact<dim>::begin(const View& view, int p,
   const double half = half_extent<dim>(view, p, n);
   const Vector<dim> traction = product<dim>(view.stress_of(p), n);
   const bool carries = distance <= 2.0 * half && dot<dim>(traction, n) < 0.0;
+  const bool reaches = distance < half || carries;
   set_vector<dim>(view, m_place, p, m_body->in_body_frame(view.position_of(p)));
-  if (distance < half || carries) set_half_extent<dim>(view, p, n, half, std::max(distance, 0.0));
-  view[m_overlap][p] = half_extent<dim>(view, p, n) - distance;
+  view[m_reach][p] = reaches ? std::max(distance, 0.0) / half : 1.0;
+  view[m_overlap][p] = view[m_reach][p] * half - distance;
   if (!carries) return;
   const double area = view.volume[p] / (2.0 * half);
   Vector<dim> against;

@@ -60,6 +60,9 @@ std::vector<Field<dim>> declared_fields(const OptionalColumns& optional) {
     fields.push_back({label + "_place", "place in the frame of " + body, "m", vector, state});
     fields.push_back(
         {label + "_overlap", "overlap with " + body, "m", scalar, state, nullptr, unseen});
+    fields.push_back({label + "_reach",
+                      "where its soil ends towards " + body + ", over its half extent", "1", scalar,
+                      state});
   }
   return fields;
 }

@@ -58,11 +58,11 @@ class SpringContact : public grid::Constraint<dim> {
   std::shared_ptr<RigidBody<dim>> m_body;
   ContactOptions m_options;
   std::unique_ptr<FrictionLaw<dim>> m_friction;
-  particles::StateHandle m_force, m_place, m_overlap;  ///< columns of the particles
-  std::vector<int> m_watched;                          ///< particles that may be near
-  long long m_watched_order = -1;                      ///< of the particles when they were found
-  double m_way_left = 0.0;                             ///< m, before others may be near
-  std::vector<Vector<dim>> m_points, m_forces;         ///< of touching particles in this step
+  particles::StateHandle m_force, m_place, m_overlap, m_reach;  ///< columns of the particles
+  std::vector<int> m_watched;                                   ///< particles that may be near
+  long long m_watched_order = -1;               ///< of the particles when they were found
+  double m_way_left = 0.0;                      ///< m, before others may be near
+  std::vector<Vector<dim>> m_points, m_forces;  ///< of touching particles in this step
   grid::NodalField<dim> m_nodal_force;
 };
 
