@@ -11,17 +11,18 @@
 namespace mpm::cases {
 namespace {
 
-constexpr double largest_grid = 1e9;      // cells
-constexpr double fine_beside_pipe = 3.0;  // D from the axis
-constexpr double fine_below_end = 2.0;    // D below the invert's last position
-constexpr double air_above = 1.5;         // D, room for heave
+constexpr double largest_grid = 1e9;                // cells
+constexpr double fine_beside_pipe = 3.0;            // D from the axis
+constexpr double fine_below_end = 2.0;              // D below the invert's last position
+constexpr double air_above = 1.5;                   // D, room for heave
+constexpr double flip_time_over_fall_time = 0.016;  // of sqrt(D/g): 30 steps or so
 
 }  // namespace
 
 PipeOptions::PipeOptions() {
   run.output_dir = "out/pipe";
   run.averages_volume = true;
-  run.flip_time = 0.001;
+  run.default_flip_time = fmt::format("{} sqrt(D/g)", flip_time_over_fall_time);
   sand.parameters().cohesion = 1000.0;
 }
 
@@ -180,6 +181,7 @@ solver::SimulationSetup<2> PipeOptions::setup() const {
   using grid::Wall;
   solver::SimulationSetup<2> setup{.lines = {horizontal_lines(), vertical_lines()}};
   run.apply_to(setup);
+  if (!run.flip_time) setup.flip_time = flip_time_over_fall_time * std::sqrt(diameter / gravity);
   setup.walls = {
       {{is_half() ? Wall::symmetry : Wall::roller, Wall::roller}, {Wall::fixed, Wall::free}}};
   if (contact::detection_kinds()[detection].is_by_springs()) setup.particle_contacts = {"contact"};

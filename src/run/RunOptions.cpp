@@ -72,15 +72,15 @@ void RunOptions::declare_step(options::OptionSet& options) {
        "smaller the step; or by itself with particles that carry its gradient too",
        "Eq. 7; docs/model.md"});
   options.optional_real(
-      "flip_time", flip_time, options::not_negative(), "pure FLIP",
+      "flip_time", flip_time, options::not_negative(), default_flip_time,
       {"s",
        "time in which particle velocities turn into the grid's: keeps exp(-dt/tau) per step, 0 "
-       "is pure FLIP; for flip only",
+       "is pure FLIP; for flip only, and not while soil comes to rest under local damping",
        "docs/model.md"});
   options.flag("average_volume", averages_volume,
                {"",
                 "particles take the mean volume change of their surroundings, against scatter of "
-                "pressures",
+                "pressures; not while soil comes to rest under local damping",
                 "docs/model.md"});
   options.optional_real(
       "courant", given_courant, {.minimum = 0.0, .maximum = 2.0, .open_minimum = true},

@@ -147,7 +147,7 @@ StepReport ExplicitStep<dim, Basis>::strain_and_move(
     const View& particles, const transfer::AdvanceTimes& dt,
     const transfer::NodalVector<dim>& strain_velocity, const StepOptions<dim>& options) {
   StepReport report;
-  if (options.averages_volume && dt.strain > 0.0) {
+  if (options.averages() && dt.strain > 0.0) {
     report = strain_with_averages_and_move(particles, dt, strain_velocity);
   } else {
     for (int first = 0; first < particles.count; first += block_size) {

@@ -21,6 +21,7 @@ struct RunOptions {
   solver::Scheme scheme = solver::Scheme::musl;
   solver::Transfer transfer = solver::Transfer::flip;
   std::optional<double> flip_time;  ///< s; 0 is pure FLIP
+  std::string default_flip_time = "pure FLIP";
   bool averages_volume = false;
   double regularisation_length = 0.0;  ///< m
   std::int64_t regularisation_every = 20;

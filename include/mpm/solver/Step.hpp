@@ -38,8 +38,13 @@ struct StepOptions {
   /// Particles take the mean volume change of their surroundings, against scatter of pressures.
   bool averages_volume = false;
 
+  /// Local damping takes the place of both of these remedies against noise: nodal forces of a
+  /// cell's size hardly feel strains that were smoothed, and decay slowly, if at all.
+  bool is_plain() const { return damping > 0.0; }
+  bool averages() const { return averages_volume && !is_plain(); }
   double flip_share(double dt) const {
-    return transfer == Transfer::flip ? std::exp(-dt / flip_time) : 0.0;
+    if (transfer != Transfer::flip) return 0.0;
+    return is_plain() ? 1.0 : std::exp(-dt / flip_time);
   }
 };
 
