@@ -75,7 +75,7 @@ void RunOptions::declare_step(options::OptionSet& options) {
       "flip_time", flip_time, options::not_negative(), default_flip_time,
       {"s",
        "time in which particle velocities turn into the grid's: keeps exp(-dt/tau) per step, 0 "
-       "is pure FLIP; for flip only, and not while soil comes to rest under local damping",
+       "is pure FLIP; for flip only",
        "docs/model.md"});
   options.flag("average_volume", averages_volume,
                {"",

@@ -35,16 +35,14 @@ struct StepOptions {
   /// them per step; infinite is pure FLIP.
   double flip_time = std::numeric_limits<double>::infinity();
 
-  /// Particles take the mean volume change of their surroundings, against scatter of pressures.
+  /// Particles take the mean volume change of their surroundings, against scatter of pressures. Not
+  /// under local damping: forces of a cell's size hardly feel averaged strains, and come to rest
+  /// late and elsewhere.
   bool averages_volume = false;
 
-  /// Local damping takes the place of both of these remedies against noise: nodal forces of a
-  /// cell's size hardly feel strains that were smoothed, and decay slowly, if at all.
-  bool is_plain() const { return damping > 0.0; }
-  bool averages() const { return averages_volume && !is_plain(); }
+  bool averages() const { return averages_volume && damping == 0.0; }
   double flip_share(double dt) const {
-    if (transfer != Transfer::flip) return 0.0;
-    return is_plain() ? 1.0 : std::exp(-dt / flip_time);
+    return transfer == Transfer::flip ? std::exp(-dt / flip_time) : 0.0;
   }
 };
 
