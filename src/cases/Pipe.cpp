@@ -27,7 +27,9 @@ constexpr double field_spacing = 0.1;   // u/D between outputs of particles and 
 constexpr double early_field = 0.06;    // u/D, where the wedge under the pipe has formed
 constexpr double band_begin = 0.15;     // D, distance of the contour from the pipe
 constexpr double band_end = 0.85;       // D
-constexpr std::size_t u_over_D_column = 2, N_d_column = 4, N_d_contour_column = 8;
+constexpr double depth_in_pipe = 0.02;  // of its radius, from which on a particle is in it
+constexpr std::size_t u_over_D_column = 2, N_d_column = 4, N_d_contour_column = 8,
+                      in_pipe_column = 10;
 
 using Now = run::Moment<2>;
 
@@ -38,6 +40,16 @@ double particles_at_limits(const particles::Particles<2>& particles) {
   for (std::size_t k = 0; k < particles.materials().size(); ++k)
     count +=
         particles.materials()[k]->count_at_limits(particles.batch_of(view, static_cast<int>(k)));
+  return petsc::sum(static_cast<double>(count));
+}
+
+/// Particles of all ranks whose centre is in the pipe.
+double particles_in_pipe(const particles::Particles<2>& particles,
+                         const contact::RigidBody<2>& pipe, double radius) {
+  const auto view = particles.view();
+  int count = 0;
+  for (int p = 0; p < view.count; ++p)
+    if (pipe.locate(view.position_of(p)).distance < -depth_in_pipe * radius) ++count;
   return petsc::sum(static_cast<double>(count));
 }
 
@@ -185,7 +197,7 @@ run::HistoryTable<2> Pipe::history() {
   return {.path = path("history.csv"),
           .columns = {"time_s", "displacement_m", "u_over_D", "reaction_N_per_m", "N_d",
                       "reaction_contour_N_per_m", "kinetic_energy_J_per_m", "out_of_balance",
-                      "N_d_contour", "particles_at_limits"},
+                      "N_d_contour", "particles_at_limits", "particles_in_pipe"},
           .row = [this](const Now& now) { return row(now); },
           .cadence = run::Cadence<2>(row_spacing, [this](const Now&) { return u_over_D(); })
                          .or_every(m_pipe.run.history_every),
@@ -210,7 +222,8 @@ std::vector<double> Pipe::row(const Now& now) {
           whole(now.simulation.kinetic_energy()),
           now.simulation.out_of_balance(),
           contour / m_pipe.reference_force(),
-          particles_at_limits(now.simulation.particles())};
+          particles_at_limits(now.simulation.particles()),
+          particles_in_pipe(now.simulation.particles(), *m_body, m_pipe.radius())};
 }
 
 run::Numbers Pipe::field_numbers() const {
@@ -270,6 +283,7 @@ void Pipe::report_threshold(io::Summary& summary) const {
   add(summary, analysis::threshold_summary(thresholds[0]));
   add(summary, analysis::threshold_summary(thresholds[1], "_to_0.9"));
   summary.set("threshold_reason", thresholds[0].reason);
+  summary.set("particles_in_pipe_most", std::ranges::max(m_history->column(in_pipe_column)));
   add(summary, analysis::bearing_summary({.diameter = m_pipe.diameter,
                                           .embedment_ratio = m_pipe.embedment_ratio,
                                           .unit_weight = m_pipe.unit_weight(),

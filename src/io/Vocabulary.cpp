@@ -199,6 +199,8 @@ constexpr std::array pipe_answers{
     Answer{"reference_force_N_per_m", "N/m", "gamma H D"},
     Answer{"friction_coefficient", "1", "between ground and pipe"},
     Answer{"relative_density", "1", "of the sand at the start"},
+    Answer{"particles_in_pipe_most", "1",
+           "particles deeper in the pipe than 2 % of its radius, most of all rows of the history"},
     Answer{"cell_over_d50", "1", "cell near the pipe over the grains' mean diameter"},
 };
 

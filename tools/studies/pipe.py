@@ -85,10 +85,10 @@ def resistance_at(job_dir, displacement):
     return sum(near) / len(near)
 
 
-def last(job_dir, column):
-    """The last entry of a column of the history."""
+def column(job_dir, name):
+    """A column of the history, as text."""
     with open(job_dir / "history.csv", encoding="utf-8") as file:
-        return list(csv.DictReader(file))[-1][column]
+        return [row[name] for row in csv.DictReader(file)]
 
 
 def table_row(job, job_dir, options):
