@@ -67,7 +67,7 @@ def quality(job_dir, options, summary):
     run = Run(str(job_dir))
     diameter = run.option("pipe_diameter")
     at_rest = summary["geostatic_N_d"] / summary["geostatic_N_d_expected"]
-    row = {"N_d_at_rest_over_exact": f"{at_rest:.4f}", "cell_wave": f"{at_cells:.4f}",
+    row = {"reaction_at_rest_over_exact": f"{at_rest:.4f}", "cell_wave": f"{at_cells:.4f}",
            "waves_beside": f"{beside:.4f}"}
     for displacement in (0.2, 0.9):
         output = pressure.output_at(run, displacement, diameter)
