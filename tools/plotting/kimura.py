@@ -15,9 +15,10 @@ MEASURED = {
               (0.1393, 740), (0.1563, 744)),
 }
 COLOURS = {"6": style.SKY, "12": style.BLUE, "24": style.PURPLE}
-VARIANTS = {"fast": (style.GREEN, "6 cells, twice the velocity"), "slow": (style.RED, "6 cells, half the velocity"),
-            "calm": (style.ORANGE, "6 cells, 1 ms flip_time"), "unaveraged": ("0.6", "12 cells, not averaged"),
-            "length": (style.PURPLE, "12 cells, 5 mm")}
+VARIANTS = {("6", "slow"): (style.GREEN, "-"), ("6", "averaged"): (style.ORANGE, "-"),
+            ("6", "averaged,fast"): (style.ORANGE, ":"),
+            ("6", "averaged,slow"): (style.ORANGE, "--"), ("12", "averaged"): (style.RED, "-"),
+            ("12", "averaged,length"): (style.RED, ":"), ("12", "length"): (style.PURPLE, "-")}
 
 
 def plot(axes, row, **options):
@@ -38,26 +39,28 @@ def draw_test(axes, rows, test, letter):
             plot(axes, row, color=COLOURS[row["cells_per_B"]],
                  ls="-" if row["base"] == "rough" else "--",
                  label=f"{row['base']}, {row['cells_per_B']} cells")
-    axes.set(title=f"({letter}) {test}", ylim=(0, None))
-    axes.legend()
+    axes.set(title=f"({letter}) {test}")
 
 
 def draw_variants(axes, rows):
     draw_measured(axes, "V85.6")
     for row in rows:
-        if row["variant"]:
-            colour, label = VARIANTS[row["variant"]]
-            plot(axes, row, color=colour, label=label)
-        elif (row["test"], row["base"]) == ("V85.6", "rough"):
-            plot(axes, row, color=COLOURS[row["cells_per_B"]], label=f"{row['cells_per_B']} cells")
-    axes.set(title="(c) V85.6, rough: numerical choices", ylim=(0, None))
-    axes.legend()
+        if (row["test"], row["base"]) != ("V85.6", "rough"):
+            continue
+        cells, variant = row["cells_per_B"], row["variant"]
+        colour, line = VARIANTS.get((cells, variant), (COLOURS[cells], "-"))
+        label = f"{cells} cells, {variant}" if variant else f"{cells} cells"
+        plot(axes, row, color=colour, ls=line, label=label.replace(",", ", "))
+    axes.set(title="(c) V85.6, rough: numerical choices")
 
 
 def draw(rows, path):
-    made, axes = style.figure(1, 3, 26, 10)
+    made, axes = style.figure(1, 3, 26, 12)
     draw_test(axes[0], rows, "V85.6", "a")
     draw_test(axes[1], rows, "V64.6", "b")
     draw_variants(axes[2], rows)
+    for panel in axes:
+        panel.set_ylim(0, None)
+        panel.legend(loc="upper left", bbox_to_anchor=(0, -0.15), ncol=2)
     made.savefig(path)
     plt.close(made)
