@@ -49,7 +49,7 @@ def draw_variants(axes, rows):
             continue
         cells, variant = row["cells_per_B"], row["variant"]
         colour, line = VARIANTS.get((cells, variant), (COLOURS[cells], "-"))
-        label = f"{cells} cells, {variant}" if variant else f"{cells} cells"
+        label = f"{cells} cells,{variant}" if variant else f"{cells} cells"
         plot(axes, row, color=colour, ls=line, label=label.replace(",", ", "))
     axes.set(title="(c) V85.6, rough: numerical choices")
 
@@ -61,6 +61,6 @@ def draw(rows, path):
     draw_variants(axes[2], rows)
     for panel in axes:
         panel.set_ylim(0, None)
-        panel.legend(loc="upper left", bbox_to_anchor=(0, -0.15), ncol=2)
+        panel.legend(loc="upper left", bbox_to_anchor=(-0.1, -0.15), ncol=2, fontsize=7)
     made.savefig(path)
     plt.close(made)
