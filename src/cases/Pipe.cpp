@@ -43,7 +43,7 @@ double particles_at_limits(const particles::Particles<2>& particles) {
   return petsc::sum(static_cast<double>(count));
 }
 
-/// Particles of all ranks whose centre is in the pipe.
+/// Particles of all ranks deeper in the pipe than that share of its radius.
 double particles_in_pipe(const particles::Particles<2>& particles,
                          const contact::RigidBody<2>& pipe, double radius) {
   const auto view = particles.view();

@@ -6,11 +6,9 @@ letter and its relative density in per cent: V is loaded across the beds, H alon
 isotropic, so that V are the targets.
 """
 
-import csv
-
 from plotting import kimura as picture
 
-from . import rows
+from . import pipe, rows
 
 # Peak: q in kPa and s/B.
 PEAKS = {"V85.6": (1953, 0.0906), "V64.6": (814, 0.0821), "H76.5": (1161, 0.1307),
@@ -55,11 +53,10 @@ def jobs():
 
 def curve(job_dir):
     """s/B and q in kPa, which are means since the row before."""
-    with open(job_dir / "history.csv", encoding="utf-8") as file:
-        history = list(csv.DictReader(file))
-    start = float(history[0]["footing_y_m"])
-    return [((start - float(row["footing_y_m"])) / (2 * HALF_WIDTH),
-             float(row["footing_force_y_N_per_m"]) / HALF_WIDTH / 1000) for row in history]
+    y, force = ([float(value) for value in pipe.column(job_dir, name)]
+                for name in ("footing_y_m", "footing_force_y_N_per_m"))
+    return [((y[0] - y_now) / (2 * HALF_WIDTH), force_now / HALF_WIDTH / 1000)
+            for y_now, force_now in zip(y, force)]
 
 
 def pressure_at(points, settlement):

@@ -16,9 +16,10 @@ MEDIUM_500 = PAPER_SAND | {
 }
 DENSE_37 = PAPER_SAND | {
     "scene": "pipe", "pipe_end_displacement": 0.205, "pipe_far_cell_ratio": 4}
-DOMAIN = ON_NODES | {  # that of input/pipe.opts
+AS_IN_INPUT = {  # the domain of input/pipe.opts, with the scene's own numerics
     "scene": "pipe", "pipe_domain_width": 20, "pipe_domain_depth_below": 14,
     "pipe_far_cell_ratio": 4}
+DOMAIN = ON_NODES | AS_IN_INPUT
 HOUSE = DENSE_37 | DOMAIN
 
 

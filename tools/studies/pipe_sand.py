@@ -10,9 +10,6 @@ from . import cell_wave, pipe, pressure, rows
 
 DISPLACEMENTS = [round(0.05 * k, 2) for k in range(1, 18)] + [0.89]
 NUMERICS = {"average_volume": "true", "flip_time": 0.001}  # calm pressures, docs/methods.md
-DOMAIN = {  # that of input/pipe.opts; numerics are the scene's own
-    "scene": "pipe", "pipe_domain_width": 20, "pipe_domain_depth_below": 14,
-    "pipe_far_cell_ratio": 4}
 SIZES = {  # D in mm: settings
     "37.5": {"pipe_cells_per_diameter": 6, "pipe_velocity": 0.15},
     "500": {"pipe_diameter": 0.5, "pipe_cells_per_diameter": 8, "pipe_velocity": 0.6},
@@ -52,7 +49,7 @@ def cells_jobs():
     for cells in (6, 8, 12, 16):
         for size in SIZES:
             for packing in PACKINGS if cells < 16 else ("dense",):
-                yield f"{size}mm_{packing}_cells{cells}", DOMAIN | SIZES[size] | {
+                yield f"{size}mm_{packing}_cells{cells}", pipe.AS_IN_INPUT | SIZES[size] | {
                     "sand_void_ratio": PACKINGS[packing], "pipe_end_displacement": 0.9,
                     "pipe_cells_per_diameter": cells}
 
