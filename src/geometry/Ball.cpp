@@ -20,13 +20,15 @@ Proximity<dim> Ball<dim>::locate(const Vector<dim>& x) const {
 }
 
 template <int dim>
-std::vector<double> Ball<dim>::crossings(const Vector<dim>& x) const {
-  constexpr int up = vertical<dim>;
-  double square = m_radius * m_radius;
-  for (int d = 0; d < dim; ++d)
-    if (d != up) square -= (x[d] - m_centre[d]) * (x[d] - m_centre[d]);
+std::vector<double> Ball<dim>::crossings(const Vector<dim>& x, const Vector<dim>& along) const {
+  double middle = 0.0, square = m_radius * m_radius;
+  for (int d = 0; d < dim; ++d) middle += (m_centre[d] - x[d]) * along[d];
+  for (int d = 0; d < dim; ++d) {
+    const double across = m_centre[d] - x[d] - middle * along[d];
+    square -= across * across;
+  }
   if (square <= 0.0) return {};
-  return {m_centre[up] - std::sqrt(square), m_centre[up] + std::sqrt(square)};
+  return {middle - std::sqrt(square), middle + std::sqrt(square)};
 }
 
 template <int dim>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mpm::geometry {
 
@@ -27,11 +28,19 @@ Proximity<dim> Box<dim>::locate(const Vector<dim>& x) const {
 }
 
 template <int dim>
-std::vector<double> Box<dim>::crossings(const Vector<dim>& x) const {
-  constexpr int up = vertical<dim>;
-  for (int d = 0; d < dim; ++d)
-    if (d != up && (x[d] < m_lower[d] || x[d] > m_upper[d])) return {};
-  return {m_lower[up], m_upper[up]};
+std::vector<double> Box<dim>::crossings(const Vector<dim>& x, const Vector<dim>& along) const {
+  double begin = -std::numeric_limits<double>::infinity(), end = -begin;
+  for (int d = 0; d < dim; ++d) {
+    if (along[d] == 0.0) {
+      if (x[d] < m_lower[d] || x[d] > m_upper[d]) return {};
+      continue;
+    }
+    const double lower = (m_lower[d] - x[d]) / along[d], upper = (m_upper[d] - x[d]) / along[d];
+    begin = std::max(begin, std::min(lower, upper));
+    end = std::min(end, std::max(lower, upper));
+  }
+  if (begin > end) return {};
+  return {begin, end};
 }
 
 template <int dim>

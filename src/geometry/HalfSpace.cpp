@@ -10,13 +10,12 @@ Proximity<dim> HalfSpace<dim>::locate(const Vector<dim>& x) const {
 }
 
 template <int dim>
-std::vector<double> HalfSpace<dim>::crossings(const Vector<dim>& x) const {
-  constexpr int up = vertical<dim>;
-  if (m_normal[up] == 0.0) return {};
-  double height = m_point[up];
-  for (int d = 0; d < dim; ++d)
-    if (d != up) height -= (x[d] - m_point[d]) * m_normal[d] / m_normal[up];
-  return {height};
+std::vector<double> HalfSpace<dim>::crossings(const Vector<dim>& x,
+                                              const Vector<dim>& along) const {
+  double slope = 0.0;
+  for (int d = 0; d < dim; ++d) slope += along[d] * m_normal[d];
+  if (slope == 0.0) return {};
+  return {-locate(x).distance / slope};
 }
 
 template <int dim>

@@ -16,6 +16,10 @@ double cross(const Vector<2>& a, const Vector<2>& b) {
   return a[0] * b[1] - a[1] * b[0];
 }
 
+double dot(const Vector<2>& a, const Vector<2>& b) {
+  return a[0] * b[0] + a[1] * b[1];
+}
+
 Vector<2> difference(const Vector<2>& a, const Vector<2>& b) {
   return {a[0] - b[0], a[1] - b[1]};
 }
@@ -31,7 +35,7 @@ double twice_area(const std::vector<Vector<2>>& corners) {
 Vector<2> nearest_on(const Vector<2>& begin, const Vector<2>& end, const Vector<2>& x) {
   const Vector<2> along = difference(end, begin), from = difference(x, begin);
   const double square = along[0] * along[0] + along[1] * along[1];
-  const double share = std::clamp((from[0] * along[0] + from[1] * along[1]) / square, 0.0, 1.0);
+  const double share = std::clamp(dot(from, along) / square, 0.0, 1.0);
   return {begin[0] + share * along[0], begin[1] + share * along[1]};
 }
 
@@ -82,20 +86,22 @@ Proximity<2> Polygon::locate(const Vector<2>& x) const {
 
 bool Polygon::holds(const Vector<2>& x) const {
   bool inside = false;
-  for (const double height : crossings(x))
-    if (height > x[1]) inside = !inside;
+  for (const double height : crossings(x, {0.0, 1.0}))
+    if (height > 0.0) inside = !inside;
   return inside;
 }
 
-std::vector<double> Polygon::crossings(const Vector<2>& x) const {
-  std::vector<double> heights;
+std::vector<double> Polygon::crossings(const Vector<2>& x, const Vector<2>& along) const {
+  std::vector<double> distances;
   for (std::size_t k = 0; k < m_corners.size(); ++k) {
     const auto [begin, end] = side(k);
-    if ((begin[0] <= x[0]) == (end[0] <= x[0])) continue;
-    const double share = (x[0] - begin[0]) / (end[0] - begin[0]);
-    heights.push_back(begin[1] + share * (end[1] - begin[1]));
+    const Vector<2> to_begin = difference(begin, x), to_end = difference(end, x);
+    const double left = cross(along, to_begin), right = cross(along, to_end);
+    if ((left >= 0.0) == (right >= 0.0)) continue;
+    const double share = left / (left - right), first = dot(along, to_begin);
+    distances.push_back(first + share * (dot(along, to_end) - first));
   }
-  return heights;
+  return distances;
 }
 
 Vector<2> Polygon::reference() const {

@@ -82,6 +82,17 @@ void RunOptions::declare_step(options::OptionSet& options) {
                 "particles take the mean volume change of their surroundings, against scatter of "
                 "pressures; not while soil comes to rest under local damping",
                 "docs/model.md"});
+  options.real("average_volume_share", averaged_volume_share,
+               {.minimum = 0.0, .maximum = 1.0, .open_minimum = true},
+               {"1",
+                "share of the mean in the volume change that particles take; what is left of their "
+                "own holds pressures that alternate from cell to cell",
+                "docs/model.md"});
+  options.rule([this, &options] {
+    if (averages_volume || !options.is_changed("average_volume_share")) return;
+    throw options::bad_input({options.given("average_volume_share"), "has no effect here",
+                              "only with averaged volumes", "give -average_volume, too"});
+  });
   options.optional_real(
       "courant", given_courant, {.minimum = 0.0, .maximum = 2.0, .open_minimum = true},
       default_courant(largest_courant),

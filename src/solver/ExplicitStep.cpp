@@ -148,7 +148,8 @@ StepReport ExplicitStep<dim, Basis>::strain_and_move(
     const transfer::NodalVector<dim>& strain_velocity, const StepOptions<dim>& options) {
   StepReport report;
   if (options.averages() && dt.strain > 0.0) {
-    report = strain_with_averages_and_move(particles, dt, strain_velocity);
+    report = strain_with_averages_and_move(particles, dt, strain_velocity,
+                                           options.averaged_volume_share);
   } else {
     for (int first = 0; first < particles.count; first += block_size) {
       const int last = std::min(first + block_size, particles.count);
@@ -186,11 +187,11 @@ StepReport ExplicitStep<dim, Basis>::strain_and_move_block(
 template <int dim, class Basis>
 StepReport ExplicitStep<dim, Basis>::strain_with_averages_and_move(
     const View& particles, const transfer::AdvanceTimes& dt,
-    const transfer::NodalVector<dim>& strain_velocity) {
+    const transfer::NodalVector<dim>& strain_velocity, double share) {
   const particles::Range all{0, particles.count};
   transfer::Drift drift =
       gather(particles, all, {.strain = dt.strain, .move = 0.0}, strain_velocity);
-  average_volume_change(particles);
+  average_volume_change(particles, share);
   const int broken = update_stress(particles);
   if (dt.move > 0.0)
     drift = gather(particles, all, {.strain = 0.0, .move = dt.move}, strain_velocity);
@@ -198,7 +199,7 @@ StepReport ExplicitStep<dim, Basis>::strain_with_averages_and_move(
 }
 
 template <int dim, class Basis>
-void ExplicitStep<dim, Basis>::average_volume_change(const View& particles) {
+void ExplicitStep<dim, Basis>::average_volume_change(const View& particles, double share) {
   const petsc::Phase phase("mpm: average volume change");
   if (!m_volume_change)
     m_volume_change = std::make_unique<grid::NodalField<dim>>(
@@ -215,7 +216,7 @@ void ExplicitStep<dim, Basis>::average_volume_change(const View& particles) {
   });
   m_parts.walls.unfold(m_parts.grid, field);
   field.copy_to_ghosts();
-  transfer::replace_volume_change<dim, Basis>(particles, stencil(), change, m_increments);
+  transfer::blend_volume_change<dim, Basis>(particles, stencil(), change, share, m_increments);
 }
 
 /// All constraints act on one of the two mappings of a step, each on its own account.

@@ -71,9 +71,11 @@ class ExplicitStep : public Step<dim> {
                                    const transfer::AdvanceTimes& dt,
                                    const transfer::NodalVector<dim>& strain_velocity);
   StepReport strain_with_averages_and_move(const View& particles, const transfer::AdvanceTimes& dt,
-                                           const transfer::NodalVector<dim>& strain_velocity);
-  /// Replaces the volume change of every particle by the mean over its surroundings. Collective.
-  void average_volume_change(const View& particles);
+                                           const transfer::NodalVector<dim>& strain_velocity,
+                                           double share);
+  /// theta_p <- share times the mean over the particle's surroundings + the rest of its own.
+  /// Collective.
+  void average_volume_change(const View& particles, double share);
   /// Nodal mass before anything else, for bases whose gradient depends on it. Collective.
   void find_mass(const View& particles);
   transfer::Stencil<dim, Basis> stencil() const {

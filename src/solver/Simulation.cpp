@@ -77,7 +77,7 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
   m_options.body_force.uniform = setup.gravity;
   m_options.transfer = setup.transfer;
   m_options.flip_time = setup.flip_time;
-  m_options.averages_volume = setup.averages_volume;
+  m_options.averaged_volume_share = setup.averaged_volume_share;
   if (setup.regularisation.is_on())
     m_regularisation = std::make_unique<Regularisation<dim>>(setup.regularisation, setup.lines,
                                                              setup.walls, *m_particles);

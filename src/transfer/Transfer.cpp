@@ -317,9 +317,8 @@ void deposit_volume_change(const particles::ParticleView<dim>& particles,
 }
 
 template <int dim, class Basis>
-void replace_volume_change(const particles::ParticleView<dim>& particles,
-                           Stencil<dim, Basis> stencil, const double* change,
-                           Increments& increments) {
+void blend_volume_change(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
+                         const double* change, double share, Increments& increments) {
   for (int p = 0; p < particles.count; ++p) {
     Pack theta_rows{};
     stencil.move_to(particles.position_of(p));
@@ -328,7 +327,7 @@ void replace_volume_change(const particles::ParticleView<dim>& particles,
     });
     const double theta = simd::sum(theta_rows);
     // Spread over the directions that deform: plane strain stays plane strain.
-    const double correction = (theta - volume_change<dim>(increments, p)) / dim;
+    const double correction = share * (theta - volume_change<dim>(increments, p)) / dim;
     for (int d = 0; d < dim; ++d) increments.strain[d][p] += correction;
   }
 }
@@ -352,8 +351,9 @@ void replace_volume_change(const particles::ParticleView<dim>& particles,
   template void deposit_volume_change<dim, Basis>(const particles::ParticleView<dim>&,             \
                                                   Stencil<dim, Basis>, const Increments&, double*, \
                                                   double*);                                        \
-  template void replace_volume_change<dim, Basis>(                                                 \
-      const particles::ParticleView<dim>&, Stencil<dim, Basis>, const double*, Increments&);       \
+  template void blend_volume_change<dim, Basis>(const particles::ParticleView<dim>&,               \
+                                                Stencil<dim, Basis>, const double*, double,        \
+                                                Increments&);                                      \
   template Drift gather_increments_and_move<dim, Basis>(                                           \
       const particles::ParticleView<dim>&, const particles::Range&, Stencil<dim, Basis>,           \
       const AdvanceTimes&, VelocityAcceleration<dim>, NodalVector<dim>, const grid::Grid<dim>&,    \

@@ -9,16 +9,16 @@ namespace {
 
 using test::Snapshot;
 
-SimulationSetup<2> box(bool averages_volume, grid::Wall wall = grid::Wall::roller) {
+SimulationSetup<2> box(double share, grid::Wall wall = grid::Wall::roller) {
   auto setup = test::full_box<2>(
       {basis::KnotLines::uniform(0.0, 2.1, 14), basis::KnotLines::uniform(0.0, 1.8, 12)}, wall);
-  setup.averages_volume = averages_volume;
+  setup.averaged_volume_share = share;
   return setup;
 }
 
-std::vector<Snapshot<2>> after(bool averages_volume, int steps,
+std::vector<Snapshot<2>> after(double share, int steps,
                                const std::function<Vector<2>(const Vector<2>&)>& velocity) {
-  test::TimedSimulation<2> simulation(box(averages_volume));
+  test::TimedSimulation<2> simulation(box(share));
   test::set_velocity<2>(simulation, velocity);
   test::run_steps(simulation, steps, 1e-4);
   return test::snapshots(simulation.particles());
@@ -44,8 +44,7 @@ double rms_of_volume_change(const std::vector<Snapshot<2>>& particles) {
 
 TEST(Averaging, keeps_a_uniform_volume_change) {
   const auto swell = [](const Vector<2>& x) { return Vector<2>{0.7 * x[0], -0.2 * x[1]}; };
-  test::TimedSimulation<2> plain(box(false, grid::Wall::free)),
-      averaged(box(true, grid::Wall::free));
+  test::TimedSimulation<2> plain(box(0.0, grid::Wall::free)), averaged(box(1.0, grid::Wall::free));
   for (auto* simulation : {&plain, &averaged}) {
     simulation->add_constraint(std::make_shared<test::PrescribedGradient<2>>(
         test::Gradient<2>{{{0.7, 0.0}, {0.0, -0.2}}}));
@@ -61,7 +60,7 @@ TEST(Averaging, keeps_a_uniform_volume_change) {
 }
 
 TEST(Averaging, keeps_the_total_volume_change_and_takes_the_scatter_out) {
-  const auto plain = after(false, 1, rough_motion), averaged = after(true, 1, rough_motion);
+  const auto plain = after(0.0, 1, rough_motion), averaged = after(1.0, 1, rough_motion);
   const double rms = rms_of_volume_change(plain);
   ASSERT_GT(rms, 1e-6);
   // exp(theta) differs from 1 + theta by theta^2/2, which averaging does not keep.
@@ -69,10 +68,22 @@ TEST(Averaging, keeps_the_total_volume_change_and_takes_the_scatter_out) {
   EXPECT_LT(rms_of_volume_change(averaged), 0.7 * rms);
 }
 
+TEST(Averaging, of_a_share_leaves_the_rest_of_the_volume_change_to_the_particle) {
+  const auto own = after(0.0, 1, rough_motion), mean = after(1.0, 1, rough_motion),
+             mixed = after(0.7, 1, rough_motion);
+  double largest_difference = 0.0;
+  for (std::size_t p = 0; p < own.size(); ++p) {
+    const double log_own = std::log(own[p].volume), log_mean = std::log(mean[p].volume);
+    largest_difference = std::max(largest_difference, std::abs(log_own - log_mean));
+    EXPECT_NEAR(std::log(mixed[p].volume), 0.7 * log_mean + 0.3 * log_own, 1e-14);
+  }
+  EXPECT_GT(largest_difference, 1e-5);
+}
+
 TEST(Averaging, gives_the_same_on_all_ranks) {
-  const auto shared = after(true, 100, rough_motion);
+  const auto shared = after(1.0, 100, rough_motion);
   const test::SerialWorld alone;
-  const auto serial = after(true, 100, rough_motion);
+  const auto serial = after(1.0, 100, rough_motion);
   ASSERT_EQ(shared.size(), serial.size());
   for (std::size_t p = 0; p < serial.size(); ++p) {
     EXPECT_NEAR(shared[p].volume / serial[p].volume, 1.0, 1e-11);

@@ -61,6 +61,24 @@ TEST(Ground, below_a_slope_the_column_ends_at_the_slope) {
   EXPECT_EQ(slope.region_at({3.0, 0.6}), std::nullopt);
 }
 
+TEST(Ground, under_turned_gravity_is_level_ground_turned) {
+  const double angle = 0.35, c = std::cos(angle), s = std::sin(angle);
+  const auto turned = [&](double x, double y) { return Vector<2>{c * x - s * y, s * x + c * y}; };
+  const auto half_space = [&](double height) {
+    return std::make_shared<geometry::HalfSpace<2>>(turned(0.0, 1.0), turned(0.0, height));
+  };
+  const Ground<2> ground(
+      {{.name = "sand", .shape = half_space(0.2), .unit_weight = 19e3, .K0 = 0.4},
+       {.name = "clay", .shape = half_space(-1.3), .unit_weight = 17e3, .K0 = 0.8}},
+      [](const auto&) { return 0.0; }, turned(0.0, 1.0));
+  const SymmetricTensor stress = ground.stress_at(turned(0.7, -3.3));
+  const double vertical = -(19e3 * 1.5 + 17e3 * 2.0), horizontal = 0.8 * vertical;
+  EXPECT_NEAR(stress[0], c * c * horizontal + s * s * vertical, 1e-9);
+  EXPECT_NEAR(stress[1], s * s * horizontal + c * c * vertical, 1e-9);
+  EXPECT_NEAR(stress[2], horizontal, 1e-9);
+  EXPECT_NEAR(stress[3], c * s * (horizontal - vertical), 1e-9);
+}
+
 TEST(SurfacePieces, make_up_the_faces_of_a_block) {
   const auto line = basis::KnotLines::uniform(0.0, 2.0, 10);
   const particles::Filling<2> block{

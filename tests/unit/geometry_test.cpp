@@ -55,15 +55,19 @@ TEST(Shape, no_point_of_the_surface_is_nearer_than_the_distance) {
   });
 }
 
-TEST(Shape, vertical_lines_cross_the_surface_where_inside_and_outside_meet) {
-  for_every_shape_and_point([](const Shape<2>& shape, const Vector<2>& x) {
-    const std::vector<double> heights = shape.crossings(x);
-    for (const double height : heights)
-      EXPECT_NEAR(shape.locate({x[0], height}).distance, 0.0, 1e-14);
-    const auto above = std::ranges::count_if(heights, [&](double height) { return height > x[1]; });
-    const bool top_is_inside = shape.locate({x[0], 1e3}).distance < 0.0;
-    EXPECT_EQ(shape.locate(x).distance < 0.0, (above % 2 == 1) != top_is_inside);
-  });
+TEST(Shape, lines_cross_the_surface_where_inside_and_outside_meet) {
+  for (const double angle : {0.0, 0.3, 1.9, -2.8})
+    for_every_shape_and_point([angle](const Shape<2>& shape, const Vector<2>& x) {
+      const Vector<2> along{-std::sin(angle), std::cos(angle)};
+      const auto ahead = [&](double way) {
+        return Vector<2>{x[0] + way * along[0], x[1] + way * along[1]};
+      };
+      const std::vector<double> ways = shape.crossings(x, along);
+      for (const double way : ways) EXPECT_NEAR(shape.locate(ahead(way)).distance, 0.0, 1e-13);
+      const auto count = std::ranges::count_if(ways, [](double way) { return way > 0.0; });
+      const bool end_is_inside = shape.locate(ahead(1e3)).distance < 0.0;
+      EXPECT_EQ(shape.locate(x).distance < 0.0, (count % 2 == 1) != end_is_inside);
+    });
 }
 
 TEST(Shape, moves_with_its_reference) {

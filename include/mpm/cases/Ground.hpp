@@ -29,8 +29,10 @@ class Ground {
   /// Pressure on the surface at a point of it, Pa.
   using Surcharge = std::function<double(const Vector<dim>&)>;
 
-  Ground(std::vector<Region<dim>> regions, Surcharge surcharge)
-      : m_regions(std::move(regions)), m_surcharge(std::move(surcharge)) {}
+  /// Gravity acts against the unit vector `up`, the vertical of this ground.
+  Ground(std::vector<Region<dim>> regions, Surcharge surcharge,
+         const Vector<dim>& up = geometry::upward<dim>())
+      : m_regions(std::move(regions)), m_surcharge(std::move(surcharge)), m_up(up) {}
 
   std::optional<int> region_at(const Vector<dim>& x) const;
 
@@ -42,9 +44,11 @@ class Ground {
  private:
   double load_above(const Vector<dim>& x) const;
   std::vector<double> heights_above(const Vector<dim>& x) const;
+  Vector<dim> raised(Vector<dim> x, double by) const;
 
   std::vector<Region<dim>> m_regions;
   Surcharge m_surcharge;
+  Vector<dim> m_up;
 };
 
 extern template class Ground<1>;

@@ -12,7 +12,7 @@ class Ball : public Shape<dim> {
       : m_radius(radius), m_centre(centre) {}
 
   Proximity<dim> locate(const Vector<dim>& x) const override;
-  std::vector<double> crossings(const Vector<dim>& x) const override;
+  std::vector<double> crossings(const Vector<dim>& x, const Vector<dim>& along) const override;
   Vector<dim> reference() const override { return m_centre; }
   std::unique_ptr<Shape<dim>> moved(const Vector<dim>& by) const override;
 

@@ -11,7 +11,7 @@ class Box : public Shape<dim> {
   Box(const Vector<dim>& lower, const Vector<dim>& upper) : m_lower(lower), m_upper(upper) {}
 
   Proximity<dim> locate(const Vector<dim>& x) const override;
-  std::vector<double> crossings(const Vector<dim>& x) const override;
+  std::vector<double> crossings(const Vector<dim>& x, const Vector<dim>& along) const override;
   Vector<dim> reference() const override;
   std::unique_ptr<Shape<dim>> moved(const Vector<dim>& by) const override;
 

@@ -12,7 +12,7 @@ class HalfSpace : public Shape<dim> {
       : m_normal(unit_normal), m_point(point) {}
 
   Proximity<dim> locate(const Vector<dim>& x) const override;
-  std::vector<double> crossings(const Vector<dim>& x) const override;
+  std::vector<double> crossings(const Vector<dim>& x, const Vector<dim>& along) const override;
   Vector<dim> reference() const override { return m_point; }
   std::unique_ptr<Shape<dim>> moved(const Vector<dim>& by) const override;
 

@@ -11,7 +11,7 @@ class Polygon : public Shape<2> {
   explicit Polygon(std::vector<Vector<2>> corners);
 
   Proximity<2> locate(const Vector<2>& x) const override;
-  std::vector<double> crossings(const Vector<2>& x) const override;
+  std::vector<double> crossings(const Vector<2>& x, const Vector<2>& along) const override;
   /// The centroid of its area.
   Vector<2> reference() const override;
   std::unique_ptr<Shape<2>> moved(const Vector<2>& by) const override;

@@ -11,6 +11,14 @@ namespace mpm::geometry {
 template <int dim>
 inline constexpr int vertical = dim == 1 ? 0 : 1;
 
+/// The unit vector of that direction.
+template <int dim>
+constexpr Vector<dim> upward() {
+  Vector<dim> up{};
+  up[vertical<dim>] = 1.0;
+  return up;
+}
+
 /// Where a point lies relative to the surface of a shape.
 template <int dim>
 struct Proximity {
@@ -24,8 +32,9 @@ class Shape {
  public:
   virtual ~Shape() = default;
   virtual Proximity<dim> locate(const Vector<dim>& x) const = 0;
-  /// Heights at which the vertical line through x crosses the surface, in any order, m.
-  virtual std::vector<double> crossings(const Vector<dim>& x) const = 0;
+  /// Distances from x along the unit vector `along`, and against it where negative, at which the
+  /// line through x crosses the surface, in any order, m.
+  virtual std::vector<double> crossings(const Vector<dim>& x, const Vector<dim>& along) const = 0;
   /// The point by which people place it: its middle, or a point of a plane, m.
   virtual Vector<dim> reference() const = 0;
   virtual std::unique_ptr<Shape> moved(const Vector<dim>& by) const = 0;

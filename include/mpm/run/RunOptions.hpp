@@ -23,6 +23,7 @@ struct RunOptions {
   std::optional<double> flip_time;  ///< s; 0 is pure FLIP
   std::string default_flip_time = "pure FLIP";
   bool averages_volume = false;
+  double averaged_volume_share = 0.9;
   double regularisation_length = 0.0;  ///< m
   std::int64_t regularisation_every = 20;
   /// What a scene takes at the most unless told otherwise, where its answer needs small steps.
@@ -57,7 +58,7 @@ struct RunOptions {
     setup.particles_per_cell = static_cast<int>(particles_per_cell_direction);
     setup.scheme = scheme;
     setup.courant = courant();
-    setup.averages_volume = averages_volume;
+    setup.averaged_volume_share = averages_volume ? averaged_volume_share : 0.0;
     setup.regularisation = {regularisation_length, static_cast<int>(regularisation_every)};
     setup.transfer = transfer;
     setup.balance = balance;

@@ -37,7 +37,7 @@ struct SimulationSetup {
   double courant = 0.9;   ///< share of h/(c + |v|)
   Transfer transfer = Transfer::flip;
   double flip_time = std::numeric_limits<double>::infinity();  ///< s, see StepOptions
-  bool averages_volume = false;                                ///< see StepOptions
+  double averaged_volume_share = 0.0;                          ///< see StepOptions
   std::vector<std::string> particle_contacts = {};  ///< labels of contacts found at particles
   RegularisationOptions regularisation = {};
   BalanceOptions balance = {};

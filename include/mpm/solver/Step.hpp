@@ -35,12 +35,13 @@ struct StepOptions {
   /// them per step; infinite is pure FLIP.
   double flip_time = std::numeric_limits<double>::infinity();
 
-  /// Particles take the mean volume change of their surroundings, against scatter of pressures. Not
-  /// under local damping: forces of a cell's size hardly feel averaged strains, and come to rest
-  /// late and elsewhere.
-  bool averages_volume = false;
+  /// Share s of the mean volume change of the surroundings in that of a particle, against scatter
+  /// of pressures: theta <- s mean + (1 - s) theta. With s = 1 no pressure holds what alternates
+  /// from cell to cell, and sand that dilates splits into stripes. Not under local damping: forces
+  /// of a cell's size hardly feel averaged strains, and come to rest late and elsewhere.
+  double averaged_volume_share = 0.0;
 
-  bool averages() const { return averages_volume && damping == 0.0; }
+  bool averages() const { return averaged_volume_share > 0.0 && damping == 0.0; }
   double flip_share(double dt) const {
     return transfer == Transfer::flip ? std::exp(-dt / flip_time) : 0.0;
   }

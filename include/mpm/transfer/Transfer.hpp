@@ -138,12 +138,11 @@ void deposit_volume_change(const particles::ParticleView<dim>& particles,
                            Stencil<dim, Basis> stencil, const Increments& increments,
                            double* volume, double* change);
 
-/// Gives every particle, all of which are covered, tr(D dt) = sum theta_I N_I instead of its own,
-/// keeping the deviator. Reads ghosts of `change`, theta_I.
+/// tr(D dt) <- share sum theta_I N_I + (1 - share) tr(D dt) of every particle, all of which are
+/// covered, keeping the deviator. Reads ghosts of `change`, theta_I.
 template <int dim, class Basis>
-void replace_volume_change(const particles::ParticleView<dim>& particles,
-                           Stencil<dim, Basis> stencil, const double* change,
-                           Increments& increments);
+void blend_volume_change(const particles::ParticleView<dim>& particles, Stencil<dim, Basis> stencil,
+                         const double* change, double share, Increments& increments);
 
 /// sigma <- Q sigma Q^T with Q = (1 - W dt/2)^-1 (1 + W dt/2) (Hughes and Winget), which keeps
 /// the norm of the stress; V <- V exp(tr D dt); accumulates sqrt(2/3 e:e). For the particles that

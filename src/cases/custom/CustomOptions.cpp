@@ -140,6 +140,16 @@ void CustomOptions::declare_space(options::OptionSet& set) {
                  "must not reach a free one",
                  "", true});
   set.real("gravity", gravity, options::not_negative(), {"m/s^2", "downward", "chosen"});
+  set.real("gravity_angle", gravity_angle, options::between(-180.0, 180.0),
+           {"degrees",
+            "by which downward is turned anticlockwise in the plane of x and y, as on a slope or "
+            "to see whether an answer feels the grid",
+            "docs/custom.md"});
+  set.rule([this, &set] {
+    if (dimension > 1 || !set.is_changed("gravity_angle")) return;
+    throw options::bad_input({set.given("gravity_angle"), "there is one direction only",
+                              "only with -dimension 2 or 3", "leave it out"});
+  });
 }
 
 void CustomOptions::declare_things(options::OptionSet& set) {

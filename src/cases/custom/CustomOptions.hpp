@@ -82,6 +82,7 @@ struct CustomOptions {
   double far_cell_ratio = 1.0;
   std::vector<std::string> walls;
   double gravity = 9.81;
+  double gravity_angle = 0.0;  ///< degrees
   std::vector<std::string> region_names, body_names, load_names, stage_names{"run"};
   Named<RegionOptions> regions;
   Named<BodyOptions> bodies;

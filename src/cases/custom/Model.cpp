@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "Lists.hpp"
 #include "Space.hpp"
@@ -41,7 +42,8 @@ Model<dim>::Model(const CustomOptions& options)
       m_lines(lines_of<dim>(options)),
       m_walls(walls_of<dim>(options)),
       m_bodies(bodies_of<dim>(options, smallest_width<dim>(m_lines))),
-      m_ground(make_regions(), [this](const Vector<dim>& x) { return surcharge(x); }) {
+      m_ground(
+          make_regions(), [this](const Vector<dim>& x) { return surcharge(x); }, up()) {
   check_loads();
 }
 
@@ -60,6 +62,19 @@ Region<dim> Model<dim>::make_region(const RegionOptions& options) {
           .unit_weight = m_materials.back()->initial_density() * m_options.gravity,
           .K0 = options.K0,
           .stress = stress_of<dim>(options)};
+}
+
+/// Against gravity. Exactly an axis where gravity is not turned.
+template <int dim>
+Vector<dim> Model<dim>::up() const {
+  Vector<dim> up = geometry::upward<dim>();
+  if (m_options.gravity_angle == 0.0) return up;
+  const double angle = m_options.gravity_angle * std::numbers::pi / 180.0;
+  if constexpr (dim > 1) {
+    up[0] = -std::sin(angle);
+    up[1] = std::cos(angle);
+  }
+  return up;
 }
 
 template <int dim>
@@ -108,7 +123,8 @@ solver::SimulationSetup<dim> Model<dim>::setup() const {
   for (const Body<dim>& body : m_bodies)
     if (contact::detection_kinds()[body.contact.detection].is_by_springs())
       setup.particle_contacts.push_back(body.contact.label);
-  setup.gravity[geometry::vertical<dim>] = -m_options.gravity;
+  const Vector<dim> against = up();
+  for (int d = 0; d < dim; ++d) setup.gravity[d] = 0.0 - m_options.gravity * against[d];
   return setup;
 }
 

@@ -26,12 +26,12 @@ class Model {
 
  private:
   std::vector<Region<dim>> make_regions();
-  std::vector<Region<dim>> regions_with_weight() const;
   Region<dim> make_region(const RegionOptions& options);
   particles::Filling<dim> filling() const;
   bool is_uniform() const;
   std::optional<int> soil_at(const Vector<dim>& x) const;
   double surcharge(const Vector<dim>& x) const;
+  Vector<dim> up() const;
   void check_loads() const;
 
   const CustomOptions& m_options;
