@@ -85,11 +85,12 @@ std::shared_ptr<contact::Motion<2>> PipeOptions::ramped_motion() const {
 }
 
 run::InertiaOptions PipeOptions::inertia() const {
+  const double modelled = is_half() ? 0.5 : 1.0;
   return {.length = inertia_length * diameter,
           .tolerance = inertia_tolerance,
-          .smallest_mass = density() * diameter * diameter,
+          .smallest_mass = modelled * density() * diameter * diameter,
           .time = pace_time_over_fall_time * std::sqrt(diameter / gravity),
-          .first_force = unit_weight() * std::numbers::pi * radius() * radius()};
+          .smallest_force = modelled * unit_weight() * std::numbers::pi * radius() * radius()};
 }
 
 void PipeOptions::declare_grid(options::OptionSet& options) {

@@ -21,7 +21,7 @@ template <int dim>
 void Inertia<dim>::begin_stage(const Moment<dim>& now) {
   m_work = now.simulation.ledger().work_of_bodies.value_or(0.0);
   m_way = m_time = 0.0;
-  m_force = m_options.first_force;
+  m_force = m_options.smallest_force;
 }
 
 template <int dim>
@@ -35,8 +35,8 @@ template <int dim>
 void Inertia<dim>::look(const Moment<dim>& now) {
   const double work = now.simulation.ledger().work_of_bodies.value_or(0.0);
   const double kinetic_energy = now.simulation.kinetic_energy();
-  if (m_way > 0.0) m_force = std::max(0.0, (work - m_work) / m_way);
-  if (m_force > 0.0) m_share = kinetic_energy / (m_force * m_options.length);
+  if (m_way > 0.0) m_force = std::max(m_options.smallest_force, (work - m_work) / m_way);
+  m_share = kinetic_energy / (m_force * m_options.length);
   if (m_motion)
     m_motion->speed += (allowed_speed(kinetic_energy) - m_motion->speed) *
                        (1.0 - std::exp(-m_time / m_options.time));

@@ -11,11 +11,11 @@ namespace mpm::run {
 
 /// How much inertia a push may have, and how quickly its speed follows.
 struct InertiaOptions {
-  double length;         ///< L, m: the way over which the reaction's work is taken for comparison
-  double tolerance;      ///< largest E_k/(F L)
-  double smallest_mass;  ///< kg (per metre in plane strain): what moves with the body at the least
-  double time;           ///< s, in which the speed follows what is allowed
-  double first_force;    ///< F before the body has moved, N
+  double length;          ///< L, m: the way over which the reaction's work is taken for comparison
+  double tolerance;       ///< largest E_k/(F L)
+  double smallest_mass;   ///< kg (per metre in plane strain): what moves with the body at the least
+  double time;            ///< s, in which the speed follows what is allowed
+  double smallest_force;  ///< F at the least, N, so that a body that has lost the ground goes on
 };
 
 /// Kinetic energy of the ground as a share of the work of the reaction on a pushed body over a
