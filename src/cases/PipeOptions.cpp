@@ -51,28 +51,15 @@ void PipeOptions::declare_pipe(options::OptionSet& options) {
                          "docs/verification/pipe.md; the paper uses 0.004"});
   options.real("inertia_tolerance", inertia_tolerance, {.minimum = 1e-4, .maximum = 10.0},
                {"1",
-                "largest kinetic energy of the soil over the work of the reaction on D/400, about "
-                "the relative error of N_d; sets the velocity where that is auto",
+                "for -pipe_velocity auto: largest kinetic energy of the soil over the work of the "
+                "reaction on "
+                "D/400, which is about the share that inertia adds to N_d",
                 "docs/verification/pipe.md"});
-  only_with_velocity(options, "inertia_tolerance", false);
   options.real("pipe_end_displacement", end_displacement,
                {.minimum = 0.0, .maximum = 5.0, .open_minimum = true},
                {"D", "displacement at which the run ends, u/D", "paper, section 4.1"});
   options.real("pipe_ramp_distance", ramp_distance, options::between(0.0, 1.0),
                {"D", "displacement over which a given velocity rises as (1 - cos)/2", "chosen"});
-  only_with_velocity(options, "pipe_ramp_distance", true);
-}
-
-/// Refuses an option that has no effect since a velocity is given, or since none is.
-void PipeOptions::only_with_velocity(options::OptionSet& options, const std::string& name,
-                                     bool is_given) {
-  options.rule([this, &options, name, is_given] {
-    if (velocity.has_value() == is_given || !options.is_changed(name)) return;
-    throw options::bad_input(
-        {options.given(name), "has no effect here",
-         is_given ? "only with a -pipe_velocity in m/s" : "only with -pipe_velocity auto",
-         "leave one of the two out"});
-  });
 }
 
 std::shared_ptr<contact::PacedMotion<2>> PipeOptions::paced_motion() const {

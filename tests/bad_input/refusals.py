@@ -126,10 +126,7 @@ CASES = [
     # softening averaged over a length
     (["-scene", "biaxial", "-regularisation_length", "0.19"],
      ["-regularisation_length 0.19", "at least 0.2 m"]),
-    (["-scene", "pipe", "-pipe_velocity", "0.1", "-inertia_tolerance", "0.07"],
-     ["-inertia_tolerance 0.07", "no effect", "-pipe_velocity auto"]),
-    (["-scene", "pipe", "-pipe_velocity", "auto", "-pipe_ramp_distance", "0.03"],
-     ["-pipe_ramp_distance 0.03", "no effect", "-pipe_velocity"]),
+    (["-scene", "pipe", "-pipe_velocity", "automatic"], ["-pipe_velocity automatic", "auto"]),
     (["-scene", "pipe", "-regularisation_length", "9"], ["-regularisation_length 9", "at most"]),
     (["-scene", "mms1d", "-regularisation_length", "0.5"], ["-regularisation_length 0.5", "no law"]),
     (["-scene", "biaxial", "-regularisation_length", "-0.2"], ["-regularisation_length -0.2"]),

@@ -77,7 +77,6 @@ struct PipeOptions {
   basis::KnotLines vertical_lines() const;
   particles::Filling<2> filling(bool graded) const;
   void declare_pipe(options::OptionSet& options);
-  void only_with_velocity(options::OptionSet& options, const std::string& name, bool is_given);
   void declare_grid(options::OptionSet& options);
   void declare_contact(options::OptionSet& options);
   void declare_geostatic(options::OptionSet& options);
