@@ -175,8 +175,11 @@ void Hdf5File::write(const Dataset& dataset, hid_t type, const void* data, const
   errno = 0;
   const hid_t set =
       H5Dcreate2(m_file, dataset.name.c_str(), type, file_space, links, H5P_DEFAULT, H5P_DEFAULT);
-  const bool ok = holds(set >= 0) &&
-                  holds(H5Dwrite(set, type, memory_space, file_space, transfer, data) >= 0) &&
+  const auto written = [&] {  // an empty dataset has no place in the file
+    return product(block.global) == 0 ||
+           H5Dwrite(set, type, memory_space, file_space, transfer, data) >= 0;
+  };
+  const bool ok = holds(set >= 0) && holds(written()) &&
                   holds(write_text_attribute(set, "long_name", dataset.long_name) &&
                         write_text_attribute(set, "units", dataset.unit));
   H5Pclose(transfer);
