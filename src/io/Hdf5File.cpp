@@ -44,8 +44,16 @@ hsize_t product(const std::vector<hsize_t>& factors) {
   return result;
 }
 
+/// Free on the disk of a file, which writing may have filled.
+std::string room_for(const std::string& path) {
+  const auto directory = std::filesystem::path(path).parent_path();
+  std::error_code fault;
+  const auto room = std::filesystem::space(directory.empty() ? "." : directory, fault);
+  return fault ? fault.message() : fmt::format("{} bytes are free there", room.available);
+}
+
 /// What went wrong where HDF5 noticed first, and what the system says.
-std::string cause_of_fault() {
+std::string cause_of_fault(const std::string& path) {
   const int number = errno;
   std::string cause;
   const auto visit = [](unsigned, const H5E_error2_t* error, void* text) -> herr_t {
@@ -55,7 +63,7 @@ std::string cause_of_fault() {
   };
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit, &cause);
   if (number != 0) cause += fmt::format("{}{}", cause.empty() ? "" : "; ", std::strerror(number));
-  return cause.empty() ? "unknown cause" : cause;
+  return fmt::format("{}{}{}", cause, cause.empty() ? "" : "; ", room_for(path));
 }
 
 /// An attribute of a file or a dataset; tells whether it was written.
@@ -103,7 +111,7 @@ bool rename_for_good(const std::string& from, const std::string& to, Durability 
 
 /// Keeps the cause of a fault before another call of HDF5 forgets it.
 bool Hdf5File::holds(bool ok) {
-  if (!ok && m_cause.empty()) m_cause = cause_of_fault();
+  if (!ok && m_cause.empty()) m_cause = cause_of_fault(m_path);
   return ok;
 }
 
