@@ -19,6 +19,8 @@ bool lies_in(const std::string& file, const std::string& directory) {
   return fs::equivalent(parent.empty() ? fs::path(".") : parent, directory, ignored);
 }
 
+static_assert(CheckpointSchedule::end_by_limit < 1 << solver::Simulation<1>::heard_bits);
+
 constexpr const char* reason(int wishes) {
   return (wishes & CheckpointSchedule::end_asked) != 0 ? "by a signal" : "for -wall_time_limit";
 }
@@ -64,6 +66,7 @@ void Run<dim>::put_back() {
         "go on with that program");
   }
   m_checkpoint = *path;
+  m_checkpoint_program = checkpoint.program();
   m_goes_on_in_place = ranks.all(!ranks.is_root() || lies_in(*path, m_options.output_dir));
   m_is_within_stage = true;
   m_schedule.written(m_clock.step);
@@ -76,6 +79,9 @@ template <int dim>
 void Run<dim>::go_on() {
   m_progress.note(
       fmt::format("goes on from {}: step {}, {:.6g} s", m_checkpoint, m_clock.step, m_clock.time));
+  if (m_checkpoint_program != program_name())
+    m_progress.note(fmt::format("it was written by {}, this is {}: round-off may differ",
+                                m_checkpoint_program, program_name()));
   const int first = m_output.go_on(m_simulation.particles(), m_simulation.grid());
   if (first > 0)
     m_progress.note(

@@ -6,6 +6,7 @@
 #include "CheckpointLayout.hpp"
 #include "mpm/Version.hpp"
 #include "mpm/core/Errors.hpp"
+#include "mpm/core/Simd.hpp"
 #include "mpm/io/Hdf5File.hpp"
 #include "mpm/petsc/Log.hpp"
 #include "mpm/run/Checkpoint.hpp"
@@ -99,7 +100,7 @@ void write_archive(io::Hdf5File& file, const petsc::Communicator& ranks, const A
 std::string header(const RunIdentity& identity, const CheckpointMoment& moment, int ranks,
                    int dimension) {
   nlohmann::ordered_json header;
-  header["program"] = fmt::format("{} ({})", version, git_hash);
+  header["program"] = program_name();
   header["scene"] = identity.scene;
   header["dimension"] = dimension;
   header["ranks"] = ranks;
@@ -111,6 +112,10 @@ std::string header(const RunIdentity& identity, const CheckpointMoment& moment, 
 }
 
 }  // namespace
+
+std::string program_name() {
+  return fmt::format("{} ({}, {})", version, git_hash, simd::instruction_set);
+}
 
 template <int dim>
 void write_checkpoint(const std::string& path, const RunIdentity& identity,

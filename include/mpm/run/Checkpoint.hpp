@@ -40,7 +40,7 @@ class Checkpoint {
 
   const std::string& path() const { return m_path; }
   const CheckpointMoment& moment() const { return m_moment; }
-  /// Version and commit of the program that wrote it.
+  /// program_name() of the program that wrote it.
   const std::string& program() const { return m_program; }
   int ranks() const { return m_saved_ranks; }
 
@@ -90,6 +90,9 @@ class Checkpoint {
 std::optional<std::string> checkpoint_to_go_on_from(const CheckpointOptions& options,
                                                     const std::string& output_dir,
                                                     const petsc::Communicator& ranks);
+
+/// This program: version, commit and the processors it was built for.
+std::string program_name();
 
 /// Where a run writes its own.
 std::string checkpoint_path(const std::string& output_dir);

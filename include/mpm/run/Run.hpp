@@ -74,10 +74,11 @@ class Run {
   long long m_last_written = -1;  ///< step
   Progress m_progress;
   CheckpointSchedule m_schedule;
-  int m_wishes = 0;                 ///< of all ranks, see CheckpointSchedule
-  std::string m_checkpoint;         ///< from which the run goes on; empty where it begins
-  bool m_goes_on_in_place = false;  ///< in the directory of that
-  bool m_is_within_stage = false;   ///< when put back
+  int m_wishes = 0;                  ///< of all ranks, see CheckpointSchedule
+  std::string m_checkpoint;          ///< from which the run goes on; empty where it begins
+  std::string m_checkpoint_program;  ///< that wrote it
+  bool m_goes_on_in_place = false;   ///< in the directory of that
+  bool m_is_within_stage = false;    ///< when put back
   std::vector<double> m_times_left;
   double m_seconds_in_steps = 0.0;
   double m_initial_mass;
