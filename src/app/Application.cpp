@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -16,6 +17,8 @@
 #include "mpm/options/CommandLine.hpp"
 #include "mpm/options/Nearest.hpp"
 #include "mpm/petsc/Session.hpp"
+#include "mpm/run/CheckpointOptions.hpp"
+#include "mpm/run/Signals.hpp"
 
 namespace mpm::app {
 namespace {
@@ -72,7 +75,7 @@ class Root {
 
  private:
   void put(std::FILE* stream, const std::string& text) const {
-    if (m_is_root) fmt::print(stream, "{}", text);
+    if (m_is_root) std::fputs(text.c_str(), stream);  // does not throw where nobody reads
     std::fflush(stream);
   }
   bool m_is_root;
@@ -95,12 +98,74 @@ void print_summary(const Root& root, const Case& scene, const io::Summary& summa
              fmt::format("  {:<24} {}\n", "results in", scene.output_directory()));
 }
 
+/// Whether the output directory has the summary of a run with these options. Collective.
+bool is_finished(const std::string& directory, const options::OptionSet& options) {
+  std::ifstream file(directory + "/summary.json");
+  const auto summary = nlohmann::json::parse(file, nullptr, false);
+  bool same = summary.is_object() && summary.value("scene", "") == options.title();
+  io::Summary present;
+  present.add_options(options);
+  const auto wanted = nlohmann::json::parse(present.json());
+  for (const auto& [name, value] : options.values()) {
+    const std::string key = "option_" + name;
+    if (!run::leaves_results_alone(name))
+      same = same && summary.value(key, nlohmann::json()) == wanted[key];
+  }
+  return petsc::world().all(same);
+}
+
+/// Makes room for the results of a run; those of a run that goes on stay, but for its end.
+void prepare_output(const Case& scene) {
+  const std::string& directory = scene.output_directory();
+  io::make_directory(directory);
+  if (!scene.goes_on_in_place()) return io::remove_results(directory);
+  if (!petsc::is_root()) return;
+  for (const char* name : {"summary.json", "failure.json"})
+    io::remove_result(directory + "/" + name);
+}
+
+/// The failure itself is told first: the disk may be full.
+ExitCode report_failure(const Case& scene, const NumericalFailure& failure, const Root& root) {
+  const std::string path = scene.output_directory() + "/failure.json";
+  root.complain(fmt::format("mpmsolve: the run failed: {}\n", failure.what()));
+  try {
+    io::write_text_file(path, as_json(failure));
+    root.complain(fmt::format("  details in {}\n", path));
+  } catch (const NumericalFailure& second) {
+    root.complain(fmt::format("  {}\n", second.what()));
+  }
+  return ExitCode::numerical_failure;
+}
+
+/// Runs a scene that has its options.
+ExitCode finish(Case& scene, const options::OptionSet& options, const Root& root,
+                Clock::time_point begin) {
+  io::Summary summary;
+  summary.set("scene", options.title());
+  summary.set("version", std::string(version));
+  summary.set("git_hash", std::string(git_hash));
+  try {
+    scene.run(summary);
+  } catch (const NumericalFailure& failure) {
+    return report_failure(scene, failure, root);
+  } catch (const StoppedEarly& stop) {
+    root.complain(
+        fmt::format("mpmsolve: {}; the same command with -restart auto goes on\n", stop.what()));
+    return ExitCode::stopped_early;
+  }
+  summary.add_options(options);
+  summary.set("wall_s", std::chrono::duration<double>(Clock::now() - begin).count());
+  summary.write(scene.output_directory());
+  print_summary(root, scene, summary);
+  return ExitCode::finished;
+}
+
 ExitCode run_scene(const options::CommandLine& line, const Root& root, Clock::time_point begin) {
   const auto name = line.value_of("scene");
   if (!name) throw BadInput(fmt::format("-scene is missing: name one of\n{}", list_of_scenes()));
   const CaseKind& kind = find_scene(*name);
   const std::unique_ptr<Case> scene = kind.make();
-  options::OptionSet options;
+  options::OptionSet options{std::string(kind.name)};
   scene->declare(options);
   if (line.help) {
     options.open_examples();
@@ -108,28 +173,22 @@ ExitCode run_scene(const options::CommandLine& line, const Root& root, Clock::ti
     return ExitCode::finished;
   }
   options.assign(without_scene(line));
+  const bool can_go_on = options.has("restart");
+  if (can_go_on && options.is_changed("restart") &&
+      is_finished(scene->output_directory(), options)) {
+    root.print(
+        fmt::format("the run is finished, its results are in {}; leave -restart out to "
+                    "compute it anew\n",
+                    scene->output_directory()));
+    return ExitCode::finished;
+  }
+  std::optional<run::SignalHandlers> handlers;
+  if (can_go_on) handlers.emplace();
   scene->prepare();
-  io::make_directory(scene->output_directory());
-  io::remove_results(scene->output_directory());
+  prepare_output(*scene);
   io::write_text_file(scene->output_directory() + "/used.opts",
                       fmt::format("-scene {}\n{}", kind.name, options.used()));
-  io::Summary summary;
-  summary.set("scene", std::string(kind.name));
-  summary.set("version", std::string(version));
-  summary.set("git_hash", std::string(git_hash));
-  try {
-    scene->run(summary);
-  } catch (const NumericalFailure& failure) {
-    io::write_text_file(scene->output_directory() + "/failure.json", as_json(failure));
-    root.complain(fmt::format("mpmsolve: the run failed: {}\n  details in {}/failure.json\n",
-                              failure.what(), scene->output_directory()));
-    return ExitCode::numerical_failure;
-  }
-  summary.add_options(options);
-  summary.set("wall_s", std::chrono::duration<double>(Clock::now() - begin).count());
-  summary.write(scene->output_directory());
-  print_summary(root, *scene, summary);
-  return ExitCode::finished;
+  return finish(*scene, options, root, begin);
 }
 
 ExitCode answer(const options::CommandLine& line, const Root& root, Clock::time_point begin) {
@@ -171,7 +230,7 @@ ExitCode run_application(std::span<const char* const> arguments) {
     return ExitCode::numerical_failure;
   } catch (const std::exception& error) {
     // Not agreed upon with the other ranks, which may be waiting: end them too.
-    fmt::print(stderr, "mpmsolve: rank {}: {}\n", session.rank(), error.what());
+    std::fprintf(stderr, "mpmsolve: rank %d: %s\n", session.rank(), error.what());
     MPI_Abort(PETSC_COMM_WORLD, static_cast<int>(ExitCode::numerical_failure));
     return ExitCode::numerical_failure;
   }

@@ -23,6 +23,13 @@ constexpr std::size_t strain_column = 2, stress_column = 3, contour_column = 4;
 
 using Now = run::Moment<2>;
 
+/// How long the specimen took to come to rest.
+class Consolidation : public run::Observer<2> {
+ public:
+  long long steps = 0;
+  void persist(Archive& archive) override { archive("steps", steps); }
+};
+
 /// Plane-strain compression under a rough plate (the paper's section 3.2): consolidation under the
 /// confining pressure, then the plate comes down.
 class Biaxial : public GridCase<2> {
@@ -61,12 +68,13 @@ class Biaxial : public GridCase<2> {
   std::shared_ptr<run::AtRest<2>> m_ending;
   std::vector<std::shared_ptr<run::WatchedParticle<2>>> m_points;
   std::shared_ptr<run::History<2>> m_history;
-  long long m_consolidation_steps = 0;
+  std::shared_ptr<Consolidation> m_consolidation;
 };
 
 run::Problem<2> Biaxial::problem() {
   make_plate();
   watch_points();
+  m_consolidation = std::make_shared<Consolidation>();
   m_history = std::make_shared<run::History<2>>(history());
   run::Problem<2> problem{.setup = m_test.setup()};
   problem.initial_stress = [pressure = m_test.confining_pressure](const Vector<2>&) {
@@ -76,7 +84,7 @@ run::Problem<2> Biaxial::problem() {
   problem.bodies = {m_plate};
   problem.constraints = {[this](const auto& simulation) { return make_contact(simulation); }};
   problem.stages = {consolidation(), compression()};
-  problem.observers = {m_reaction, m_points[0], m_points[1], m_history};
+  problem.observers = {m_consolidation, m_reaction, m_points[0], m_points[1], m_history};
   problem.field_cadence =
       run::Cadence<2>(field_strains, [this](const Now&) { return axial_strain(); });
   problem.writes_fields_at_start = true;
@@ -120,7 +128,7 @@ run::Stage<2> Biaxial::consolidation() {
           .is_main = false,
           .damping = m_test.damping,
           .holds_bodies = true,
-          .at_end = [this](const Now& now) { m_consolidation_steps = now.clock.step; }};
+          .at_end = [this](const Now& now) { m_consolidation->steps = now.clock.step; }};
 }
 
 run::Stage<2> Biaxial::compression() const {
@@ -170,7 +178,7 @@ run::Numbers Biaxial::field_numbers() const {
 
 void Biaxial::evaluate(run::Run<2>&, io::Summary& summary) {
   summary.set("consolidation_out_of_balance", m_ending->unbalanced());
-  summary.set("consolidation_steps", m_consolidation_steps);
+  summary.set("consolidation_steps", m_consolidation->steps);
   if (m_history->rows().empty()) return;
   report_stress(summary);
   report_difference(summary);

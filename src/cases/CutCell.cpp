@@ -34,6 +34,7 @@ struct CutCellOptions {
 
   CutCellOptions() {
     run.output_dir = "out/cut_cell";
+    run.is_one_run = false;
     material.parameters() = {.youngs_modulus = 2e6, .poisson_ratio = 0.3, .density = 1300.0};
   }
 

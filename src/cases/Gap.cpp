@@ -31,6 +31,7 @@ class Approach : public run::Observer<2> {
   }
   void persist(Archive& archive) override {
     archive("gap", gap);
+    archive("gap_before", gap_before);
     archive("force", force);
   }
 

@@ -50,7 +50,8 @@ class RecordedPlane : public grid::Constraint<2> {
   const std::vector<double>& forces() const { return m_forces; }
 
   void persist(Archive& archive) override {
-    archive("column_impulse", m_impulse);
+    archive.group("contact", [&] { m_contact->persist(archive); });
+    archive.sum("column_impulse", m_impulse);
     archive("time", m_time);
     archive("forces", m_forces);
   }

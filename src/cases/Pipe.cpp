@@ -56,12 +56,22 @@ double particles_in_pipe(const particles::Particles<2>& particles,
 }
 
 /// What is known when the soil has come to rest around the pipe.
-struct AtRestAnswers {
+class AtRestAnswers : public run::Observer<2> {
+ public:
   double N_d = 0.0;  ///< over the last interval between two checks
   double unbalanced = 1.0;
   long long steps = 0;
   GeostaticErrors stress{0.0, 0.0};
   bool has_rested = false;
+
+  void persist(Archive& archive) override {
+    archive("N_d", N_d);
+    archive("unbalanced", unbalanced);
+    archive("steps", steps);
+    archive("vertical_rms", stress.vertical_rms);
+    archive("K0_rms", stress.K0_rms);
+    archive("has_rested", has_rested);
+  }
 };
 
 /// A rigid pipe is pushed down into sand (the paper's section 4): geostatic stage, then loading.
@@ -106,11 +116,12 @@ class Pipe : public GridCase<2> {
   std::shared_ptr<run::BodyReaction<2>> m_reaction;
   std::shared_ptr<run::AtRest<2>> m_ending;
   std::shared_ptr<run::History<2>> m_history;
-  AtRestAnswers m_rest;
+  std::shared_ptr<AtRestAnswers> m_rest;
 };
 
 run::Problem<2> Pipe::problem() {
   make_body();
+  m_rest = std::make_shared<AtRestAnswers>();
   m_history = std::make_shared<run::History<2>>(history());
   run::Problem<2> problem{.setup = m_pipe.setup()};
   problem.initial_stress = vertical_and_lateral(geostatic());
@@ -121,7 +132,7 @@ run::Problem<2> Pipe::problem() {
   problem.bodies = {m_body};
   problem.constraints = {[this](const auto& simulation) { return make_contact(simulation); }};
   problem.stages = {rest(), push()};
-  problem.observers = {m_inertia, m_reaction, m_history};
+  problem.observers = {m_rest, m_inertia, m_reaction, m_history};
   problem.field_cadence = run::Cadence<2>(
       field_spacing, [this](const Now&) { return u_over_D(); }, early_field);
   problem.writes_fields_at_start = true;
@@ -156,7 +167,7 @@ std::shared_ptr<grid::Constraint<2>> Pipe::make_contact(
 run::Stage<2> Pipe::rest() {
   m_ending = std::make_shared<run::AtRest<2>>(run::RestOptions<2>{
       .tolerance = m_pipe.geostatic_tolerance, .at_check = [this](const Now&) {
-        m_rest.N_d = whole(m_body->meter().take_mean().force[1]) / m_pipe.reference_force();
+        m_rest->N_d = whole(m_body->meter().take_mean().force[1]) / m_pipe.reference_force();
       }});
   return {.name = "geostatic",
           .ending = m_ending,
@@ -167,28 +178,28 @@ run::Stage<2> Pipe::rest() {
 }
 
 void Pipe::check_rest(const Now& now) {
-  m_rest.has_rested = true;
-  m_rest.unbalanced = m_ending->unbalanced();
-  m_rest.steps = now.clock.step;
-  m_rest.stress = measure_geostatic(now.simulation, geostatic(), [this](const Vector<2>& x) {
+  m_rest->has_rested = true;
+  m_rest->unbalanced = m_ending->unbalanced();
+  m_rest->steps = now.clock.step;
+  m_rest->stress = measure_geostatic(now.simulation, geostatic(), [this](const Vector<2>& x) {
     return m_body->locate(x).distance > 2.0 * m_pipe.diameter;
   });
   const double expected = std::numbers::pi / (4.0 * m_pipe.embedment_ratio);
   const double tolerance = m_pipe.geostatic_stress_tolerance;
-  const double reaction_error = m_rest.N_d / expected - 1.0;
-  if (m_rest.stress.vertical_rms > tolerance || m_rest.stress.K0_rms > tolerance)
+  const double reaction_error = m_rest->N_d / expected - 1.0;
+  if (m_rest->stress.vertical_rms > tolerance || m_rest->stress.K0_rms > tolerance)
     throw NumericalFailure(fmt::format(
         "the geostatic state fails its test: vertical stress {:.3g} and K0 {:.3g} off beyond 2 D, "
         "-geostatic_stress_tolerance {}; a smaller -geostatic_tolerance, -basis_boundary mirror or "
         "a larger tolerance may help",
-        m_rest.stress.vertical_rms, m_rest.stress.K0_rms, tolerance));
+        m_rest->stress.vertical_rms, m_rest->stress.K0_rms, tolerance));
   if (!(std::abs(reaction_error) <= m_pipe.geostatic_reaction_tolerance))
     throw NumericalFailure(fmt::format(
         "the geostatic state fails its test: the pipe at rest carries N_d {:.3g} instead of "
         "{:.3g}, "
         "{:+.0f} %, -geostatic_reaction_tolerance {}; -contact_detection spring, more "
         "-pipe_cells_per_diameter, a smaller -geostatic_tolerance or a larger tolerance may help",
-        m_rest.N_d, expected, 100.0 * reaction_error, m_pipe.geostatic_reaction_tolerance));
+        m_rest->N_d, expected, 100.0 * reaction_error, m_pipe.geostatic_reaction_tolerance));
 }
 
 run::Stage<2> Pipe::push() const {
@@ -238,7 +249,7 @@ run::Numbers Pipe::field_numbers() const {
   return {{"displacement_m", displacement()},
           {"pipe_x_m", m_body->position[0]},
           {"pipe_y_m", m_body->position[1]},
-          {"N_d", m_history->last(N_d_column, m_rest.N_d)}};
+          {"N_d", m_history->last(N_d_column, m_rest->N_d)}};
 }
 
 void Pipe::evaluate(run::Run<2>&, io::Summary& summary) {
@@ -256,12 +267,12 @@ void Pipe::evaluate(run::Run<2>&, io::Summary& summary) {
 
 void Pipe::report_rest(io::Summary& summary) const {
   summary.set("geostatic_out_of_balance", m_ending->unbalanced());
-  if (!m_rest.has_rested) return;
-  summary.set("geostatic_steps", m_rest.steps);
-  summary.set("geostatic_N_d", m_rest.N_d);
+  if (!m_rest->has_rested) return;
+  summary.set("geostatic_steps", m_rest->steps);
+  summary.set("geostatic_N_d", m_rest->N_d);
   summary.set("geostatic_N_d_expected", std::numbers::pi / (4.0 * m_pipe.embedment_ratio));
-  summary.set("geostatic_vertical_stress_error_rms", m_rest.stress.vertical_rms);
-  summary.set("geostatic_K0_error_rms", m_rest.stress.K0_rms);
+  summary.set("geostatic_vertical_stress_error_rms", m_rest->stress.vertical_rms);
+  summary.set("geostatic_K0_error_rms", m_rest->stress.K0_rms);
 }
 
 void Pipe::report_model(io::Summary& summary) const {

@@ -118,14 +118,14 @@ void CubeObserver::report(const petsc::Communicator& ranks, io::Summary& summary
 void CubeObserver::persist(Archive& archive) {
   archive("strain", m_strain.components);
   archive("strain_to_come", m_strain_to_come.components);
-  archive("work", m_work);
-  archive("largest_distance", m_largest_distance);
-  archive("largest_gap_stress", m_largest_gap_stress);
-  archive("largest_volume_error", m_largest_volume_error);
-  archive("largest_gap", m_largest_gap);
-  archive("plastic", m_plastic);
-  archive("elastic", m_elastic);
-  archive("at_floor", m_at_floor);
+  archive.sum("work", m_work);
+  archive.largest("largest_distance", m_largest_distance);
+  archive.largest("largest_gap_stress", m_largest_gap_stress);
+  archive.largest("largest_volume_error", m_largest_volume_error);
+  archive.largest("largest_gap", m_largest_gap);
+  archive.sum("plastic", m_plastic);
+  archive.sum("elastic", m_elastic);
+  archive.sum("at_floor", m_at_floor);
   persist_particles(archive);
 }
 
@@ -136,7 +136,7 @@ void CubeObserver::persist_particles(Archive& archive) {
     values.insert(values.end(), {static_cast<double>(id), before.eps_q});
     values.insert(values.end(), before.stress.components.begin(), before.stress.components.end());
   }
-  archive("particles", values);
+  archive.list("particles", values);
   if (!archive.gives()) return;
   m_before.clear();
   for (std::size_t k = 0; k + width <= values.size(); k += width) {

@@ -50,7 +50,10 @@ double stable_limit(const std::array<solver::DenseMatrix, 3>& T, double stride, 
 /// whose outermost particle stands anywhere in its cell.
 class Stability : public Case {
  public:
-  Stability() { m_run.output_dir = "out/stability"; }
+  Stability() {
+    m_run.output_dir = "out/stability";
+    m_run.is_one_run = false;
+  }
 
   void declare(options::OptionSet& options) override {
     m_run.declare(options);

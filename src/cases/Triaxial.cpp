@@ -44,7 +44,7 @@ class Platen : public grid::Constraint<3> {
 
   void persist(Archive& archive) override {
     grid::Constraint<3>::persist(archive);
-    archive("virtual_impulse", m_impulse);
+    archive.sum("virtual_impulse", m_impulse);
     archive("time", m_time);
   }
 

@@ -230,6 +230,21 @@ void SpringContact<dim>::constrain(const grid::Grid<dim>&, grid::ConstrainedNode
     }
 }
 
+/// The step in which a particle is seen for the first time depends on who is watched.
+template <int dim>
+void SpringContact<dim>::persist(Archive& archive) {
+  grid::Constraint<dim>::persist(archive);
+  bool is_current = m_watched_order == m_particles.order();
+  std::vector<double> watched(m_watched.begin(), m_watched.end());
+  archive.own("is_current", is_current);
+  archive.own("watched", watched);
+  archive.own("way_left", m_way_left);
+  if (!archive.gives()) return;
+  m_watched.clear();
+  for (const double p : watched) m_watched.push_back(static_cast<int>(p));
+  m_watched_order = is_current ? m_particles.order() : -1;
+}
+
 template class SpringContact<1>;
 template class SpringContact<2>;
 template class SpringContact<3>;

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <numeric>
 #include <type_traits>
 
 #include "mpm/io/Hdf5File.hpp"
+#include "mpm/io/ResultFiles.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/petsc/Log.hpp"
 
@@ -76,27 +78,94 @@ std::string attribute(const XdmfArray& array, const std::string& centre,
       data_item(dimensions, array.number, file + ":/" + array.name));
 }
 
-std::string collection(const std::string& name, const std::vector<std::string>& grids) {
-  std::string text =
-      "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
-      "    <Grid Name=\"" +
-      name + "\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (const std::string& grid : grids) text += grid;
-  return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";
+std::string collection(const std::string& name, const std::string& grids) {
+  return "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
+         "    <Grid Name=\"" +
+         name + "\" GridType=\"Collection\" CollectionType=\"Temporal\">\n" + grids +
+         "    </Grid>\n  </Domain>\n</Xdmf>\n";
 }
 
-/// The HDF5 file of one moment's particles and, beside it, the XDMF that describes it.
+/// The file of a moment.
+std::string file_name(const char* kind, int k) {
+  return fmt::format("{}_{:06}.h5", kind, k);
+}
+
+/// How the values of a field stand in a file.
+std::string number_of(Shape shape) {
+  if (shape == Shape::id) return number_of<std::int64_t>();
+  return shape == Shape::integer ? number_of<std::int32_t>() : number_of<float>();
+}
+
+template <int dim>
+bool is_written(const Field<dim>& field) {
+  return field.role != Role::state;
+}
+
+/// XDMF of the particles of one moment.
+template <int dim>
+std::string particle_grid(const particles::Particles<dim>& particles, const std::string& file,
+                          double time) {
+  const long long count = particles.global_count();
+  std::string text = fmt::format(
+      "    <Grid Name=\"particles\">\n      <Time Value=\"{}\"/>\n"
+      "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
+      "NodesPerElement=\"1\">{}</Topology>\n"
+      "      <Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
+      time, count,
+      data_item(std::to_string(count), "NumberType=\"Int\" Precision=\"4\"",
+                file + ":/connectivity"),
+      data_item(fmt::format("{} 3", count), double_number, file + ":/position"));
+  for (const Field<dim>& field : particles.fields().all()) {
+    if (!is_written(field)) continue;
+    const auto [type, columns] = file_shape(field.shape);
+    const std::string dimensions =
+        columns == 1 ? std::to_string(count) : fmt::format("{} {}", count, columns);
+    text += attribute({field.name, type, number_of(field.shape)}, "Node", dimensions, file);
+  }
+  return text + "    </Grid>\n";
+}
+
+/// The nodes of a grid, slowest direction first.
+template <int dim>
+std::array<int, 3> shape_of(const grid::Grid<dim>& grid) {
+  std::array<int, 3> shape{1, 1, 1};
+  for (int d = 0; d < dim; ++d) shape[static_cast<std::size_t>(2 - d)] = grid.nodes(d).count();
+  return shape;
+}
+
+template <int dim>
+std::vector<double> node_line(const grid::Grid<dim>& grid, int d) {
+  return d < dim ? grid.nodes(d).positions : std::vector<double>{0.0};
+}
+
+/// XDMF of the grid at one moment.
+template <int dim>
+std::string node_grid(const grid::Grid<dim>& grid, const std::string& file, double time) {
+  const std::string shape = fmt::format("{}", fmt::join(shape_of(grid), " "));
+  std::string text = fmt::format(
+      "    <Grid Name=\"grid\">\n      <Time Value=\"{}\"/>\n"
+      "      <Topology TopologyType=\"3DRectMesh\" Dimensions=\"{}\"/>\n"
+      "      <Geometry GeometryType=\"VXVYVZ\">",
+      time, shape);
+  for (int d = 0; d < 3; ++d)
+    text += data_item(std::to_string(node_line(grid, d).size()), double_number,
+                      fmt::format("{}:/nodes_{}", file, "xyz"[d]));
+  text += "</Geometry>\n" + attribute({"mass", "Scalar", double_number}, "Node", shape, file);
+  for (int d = 0; d < dim; ++d)
+    text += attribute({fmt::format("velocity_{}", "xyz"[d]), "Scalar", double_number}, "Node",
+                      shape, file);
+  return text + "    </Grid>\n";
+}
+
+/// The HDF5 file of one moment's particles.
 template <int dim>
 class ParticleFile {
  public:
-  ParticleFile(const std::string& directory, std::string name,
-               const particles::Particles<dim>& particles)
-      : m_name(std::move(name)),
-        m_fields(particles.fields()),
+  ParticleFile(const std::string& path, const particles::Particles<dim>& particles)
+      : m_fields(particles.fields()),
         m_view(particles.view()),
-        m_count(particles.global_count()),
         m_communicator(particles.communicator()),
-        m_file(directory + "/" + m_name, m_communicator) {}
+        m_file(path, m_communicator) {}
 
   void geometry() {
     const Field<dim>& position = m_fields.named("position");
@@ -113,20 +182,9 @@ class ParticleFile {
       write(field, rows_of<double, float>(field));
   }
 
-  /// Closes the file; returns the XDMF grid.
-  std::string finish(const Moment& moment) {
+  void finish(const Moment& moment) {
     write_attributes(m_file, moment);
     m_file.close();
-    return fmt::format(
-        "    <Grid Name=\"particles\">\n      <Time Value=\"{}\"/>\n"
-        "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
-        "NodesPerElement=\"1\">{}</Topology>\n"
-        "      <Geometry GeometryType=\"XYZ\">{}</Geometry>\n{}    </Grid>\n",
-        moment.time, m_count,
-        data_item(std::to_string(m_count), "NumberType=\"Int\" Precision=\"4\"",
-                  m_name + ":/connectivity"),
-        data_item(fmt::format("{} 3", m_count), double_number, m_name + ":/position"),
-        m_attributes);
   }
 
  private:
@@ -144,16 +202,15 @@ class ParticleFile {
   template <class Stored, class Written>
   std::vector<Written> kept_rows(const Field<dim>& field) const;
   template <class Value>
-  void write(const Field<dim>& field, const std::vector<Value>& rows);
+  void write(const Field<dim>& field, const std::vector<Value>& rows) {
+    m_file.rows(dataset(field), rows, file_shape(field.shape).columns);
+  }
   void connectivity();
 
-  std::string m_name;
   const particles::FieldTable<dim>& m_fields;
   const particles::ParticleView<dim> m_view;
-  long long m_count;  ///< of all ranks
   petsc::Communicator m_communicator;
   Hdf5File m_file;
-  std::string m_attributes;
 };
 
 template <int dim>
@@ -181,16 +238,6 @@ std::vector<Written> ParticleFile<dim>::kept_rows(const Field<dim>& field) const
   return rows;
 }
 
-template <int dim>
-template <class Value>
-void ParticleFile<dim>::write(const Field<dim>& field, const std::vector<Value>& rows) {
-  const auto [type, columns] = file_shape(field.shape);
-  m_file.rows(dataset(field), rows, columns);
-  const std::string dimensions =
-      columns == 1 ? std::to_string(m_count) : fmt::format("{} {}", m_count, columns);
-  m_attributes += attribute({field.name, type, number_of<Value>()}, "Node", dimensions, m_name);
-}
-
 /// Readers show no particles without it.
 template <int dim>
 void ParticleFile<dim>::connectivity() {
@@ -207,41 +254,74 @@ template <int dim>
 FieldOutput<dim>::FieldOutput(std::string directory) : m_directory(std::move(directory)) {}
 
 template <int dim>
-std::string FieldOutput<dim>::path(const char* kind) const {
-  return fmt::format("{}_{:06}.h5", kind, count());
-}
-
-template <int dim>
 void FieldOutput<dim>::write(const Moment& moment, const particles::Particles<dim>& particles,
                              const grid::Grid<dim>& grid,
                              const grid::NodalField<dim>& mass_and_momentum) {
   const petsc::Phase phase("mpm: output");
-  const std::string particle_grid = write_particles(moment, particles);
-  const std::string node_grid = write_grid(moment, grid, mass_and_momentum);
-  m_particle_grids.push_back(particle_grid);
-  m_node_grids.push_back(node_grid);
-  write_text_file(m_directory + "/particles.xdmf", collection("particles", m_particle_grids),
-                  grid.communicator());
-  write_text_file(m_directory + "/grid.xdmf", collection("grid", m_node_grids),
-                  grid.communicator());
+  write_particles(moment, particles);
+  write_grid(moment, grid, mass_and_momentum);
+  m_times.push_back(moment.time);
+  write_lists(particles, grid);
 }
 
 template <int dim>
-std::string FieldOutput<dim>::write_particles(const Moment& moment,
-                                              const particles::Particles<dim>& particles) {
-  ParticleFile<dim> file(m_directory, path("particles"), particles);
+void FieldOutput<dim>::write_lists(const particles::Particles<dim>& particles,
+                                   const grid::Grid<dim>& grid) const {
+  std::string particle_grids, node_grids;
+  for (int k = m_first; k < count(); ++k) {
+    const double time = m_times[static_cast<std::size_t>(k)];
+    particle_grids += particle_grid(particles, file_name("particles", k), time);
+    node_grids += node_grid(grid, file_name("grid", k), time);
+  }
+  write_text_file(m_directory + "/particles.xdmf", collection("particles", particle_grids),
+                  grid.communicator());
+  write_text_file(m_directory + "/grid.xdmf", collection("grid", node_grids), grid.communicator());
+}
+
+template <int dim>
+bool FieldOutput<dim>::has_files(int k) const {
+  const std::filesystem::path directory(m_directory);
+  std::error_code ignored;  // what cannot be seen cannot be listed
+  return std::filesystem::exists(directory / file_name("particles", k), ignored) &&
+         std::filesystem::exists(directory / file_name("grid", k), ignored);
+}
+
+template <int dim>
+void FieldOutput<dim>::remove_later_files() const {
+  for (int k = count(); has_files(k); ++k)
+    for (const char* kind : {"particles", "grid"})
+      remove_result(m_directory + "/" + file_name(kind, k));
+  if (m_first < count()) return;
+  for (const char* list : {"particles.xdmf", "grid.xdmf"}) remove_result(m_directory + "/" + list);
+}
+
+template <int dim>
+int FieldOutput<dim>::go_on(const particles::Particles<dim>& particles,
+                            const grid::Grid<dim>& grid) {
+  const petsc::Communicator& ranks = grid.communicator();
+  int first = count();
+  while (ranks.is_root() && first > 0 && has_files(first - 1)) --first;
+  m_first = ranks.minimum(first);
+  if (ranks.is_root()) remove_later_files();
+  if (m_first < count()) write_lists(particles, grid);
+  return m_first;
+}
+
+template <int dim>
+void FieldOutput<dim>::write_particles(const Moment& moment,
+                                       const particles::Particles<dim>& particles) {
+  ParticleFile<dim> file(m_directory + "/" + file_name("particles", count()), particles);
   file.geometry();
   for (const Field<dim>& field : particles.fields().all())
-    if (field.role != Role::state) file.field(field);
-  return file.finish(moment);
+    if (is_written(field)) file.field(field);
+  file.finish(moment);
 }
 
 /// Nodal mass and velocity on the rectilinear mesh of the nodes (Greville abscissae).
 template <int dim>
-std::string FieldOutput<dim>::write_grid(const Moment& moment, const grid::Grid<dim>& grid,
-                                         const grid::NodalField<dim>& sums) {
-  const std::string name = path("grid");
-  Hdf5File file(m_directory + "/" + name, grid.communicator());
+void FieldOutput<dim>::write_grid(const Moment& moment, const grid::Grid<dim>& grid,
+                                  const grid::NodalField<dim>& sums) {
+  Hdf5File file(m_directory + "/" + file_name("grid", count()), grid.communicator());
   write_attributes(file, moment);
   Hdf5File::Block block{{1, 1, 1}, {0, 0, 0}, {1, 1, 1}};
   for (int d = 0; d < dim; ++d) {
@@ -249,37 +329,21 @@ std::string FieldOutput<dim>::write_grid(const Moment& moment, const grid::Grid<
     block.first[2 - d] = static_cast<hsize_t>(grid.recorded_nodes().begin[d]);
     block.local[2 - d] = static_cast<hsize_t>(grid.recorded_nodes().extent(d));
   }
-  const std::string shape =
-      fmt::format("{} {} {}", block.global[0], block.global[1], block.global[2]);
-  std::string xdmf = fmt::format(
-      "    <Grid Name=\"grid\">\n      <Time Value=\"{}\"/>\n"
-      "      <Topology TopologyType=\"3DRectMesh\" Dimensions=\"{}\"/>\n"
-      "      <Geometry GeometryType=\"VXVYVZ\">",
-      moment.time, shape);
-  for (int d = 0; d < 3; ++d) {
-    const std::vector<double> line = d < dim ? grid.nodes(d).positions : std::vector<double>{0.0};
-    const Dataset dataset{fmt::format("nodes_{}", "xyz"[d]),
-                          fmt::format("positions of the nodes along {}", "xyz"[d]), "m"};
-    file.rows(dataset, grid.rank() == 0 ? line : std::vector<double>{}, 1);
-    xdmf += data_item(std::to_string(line.size()), double_number, name + ":/" + dataset.name);
-  }
-  xdmf += "</Geometry>\n";
-  auto write = [&](const Dataset& dataset, const std::vector<double>& values) {
-    file.block(dataset, values, block);
-    xdmf += attribute({dataset.name, "Scalar", double_number}, "Node", shape, name);
-  };
+  for (int d = 0; d < 3; ++d)
+    file.rows({fmt::format("nodes_{}", "xyz"[d]),
+               fmt::format("positions of the nodes along {}", "xyz"[d]), "m"},
+              grid.rank() == 0 ? node_line(grid, d) : std::vector<double>{}, 1);
   const std::vector<double> mass = grid.to_record(sums.values(0));
-  write({"mass", "mass of the node", "kg"}, mass);
+  file.block({"mass", "mass of the node", "kg"}, mass, block);
   for (int d = 0; d < dim; ++d) {
     std::vector<double> velocity = grid.to_record(sums.values(1 + d));
     for (std::size_t I = 0; I < mass.size(); ++I)
       velocity[I] = mass[I] > 0.0 ? velocity[I] / mass[I] : 0.0;
-    write({fmt::format("velocity_{}", "xyz"[d]),
-           fmt::format("velocity of the node along {}", "xyz"[d]), "m/s"},
-          velocity);
+    file.block({fmt::format("velocity_{}", "xyz"[d]),
+                fmt::format("velocity of the node along {}", "xyz"[d]), "m/s"},
+               velocity, block);
   }
   file.close();
-  return xdmf + "    </Grid>\n";
 }
 
 template class FieldOutput<1>;

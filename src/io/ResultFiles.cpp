@@ -33,6 +33,11 @@ bool register_result(const std::string& path) {
   return static_cast<bool>(list.flush());
 }
 
+void remove_result(const std::string& path) {
+  std::error_code ignored;  // a file that its user has removed is no fault
+  std::filesystem::remove(path, ignored);
+}
+
 void remove_results(const std::string& directory, const petsc::Communicator& communicator) {
   if (communicator.is_root()) remove_listed(directory);
   communicator.barrier();  // nobody writes before the old files are gone

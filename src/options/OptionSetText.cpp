@@ -84,7 +84,7 @@ std::string OptionSet::help() const {
 std::string OptionSet::used_line(const Option& option) {
   const std::string value = option.present();
   if (value.empty()) return fmt::format("# -{}: {}", option.name, option.when_absent);
-  return fmt::format("-{} {}", option.name, as_written(value));
+  return fmt::format("{}-{} {}", option.is_left_out ? "# " : "", option.name, as_written(value));
 }
 
 std::string OptionSet::used() const {

@@ -202,6 +202,23 @@ void Particles<dim>::sort() {
 }
 
 template <int dim>
+void Particles<dim>::keep_order() {
+  ++m_order;
+  const ParticleView<dim> particles = view();
+  const std::span<const PetscInt> materials(particles.material,
+                                            static_cast<std::size_t>(particles.count));
+  const auto known = static_cast<PetscInt>(m_materials.size());
+  const auto is_known = [=](PetscInt k) { return k >= 0 && k < known; };
+  if (!std::ranges::is_sorted(materials) || !std::ranges::all_of(materials, is_known))
+    throw BadInput("has particles that are not sorted by the materials of the problem");
+  for (PetscInt k = 0; k < known; ++k) {
+    const auto alike = std::ranges::equal_range(materials, k);
+    const auto first = static_cast<int>(alike.data() - materials.data());
+    m_ranges[static_cast<std::size_t>(k)] = {first, first + static_cast<int>(alike.size())};
+  }
+}
+
+template <int dim>
 material::Batch Particles<dim>::batch_of(const ParticleView<dim>& particles, int material,
                                          const Range& range) const {
   material::Batch batch;

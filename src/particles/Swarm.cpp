@@ -40,7 +40,7 @@ Swarm<dim>::Swarm(const grid::Grid<dim>& grid, std::string what, std::span<const
     const bool is_real = type == Type::real;
     MPM_PETSC(DMSwarmRegisterPetscDatatypeField(m_swarm, name.c_str(), 1,
                                                 is_real ? PETSC_REAL : PETSC_INT));
-    m_slots.push_back({name, is_real ? sizeof(PetscReal) : sizeof(PetscInt)});
+    m_slots.push_back({name, is_real ? sizeof(PetscReal) : sizeof(PetscInt), type});
   }
   MPM_PETSC(DMSwarmFinalizeFieldRegister(m_swarm));
   m_slots.push_back({id_column, sizeof(std::int64_t)});  // registered by the swarm itself
@@ -66,6 +66,12 @@ int Swarm<dim>::grow(int count) {
   resize(before + count);
   m_global_count += communicator().sum(static_cast<long long>(count));
   return before;
+}
+
+template <int dim>
+void Swarm<dim>::replace(int count) {
+  resize(count);
+  m_global_count = communicator().sum(static_cast<long long>(count));
 }
 
 template <int dim>

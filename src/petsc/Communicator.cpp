@@ -51,6 +51,10 @@ int Communicator::maximum(int value) const {
   return reduce(m_communicator, value, MPI_INT, MPI_MAX);
 }
 
+int Communicator::united_bits(int bits) const {
+  return reduce(m_communicator, bits, MPI_INT, MPI_BOR);
+}
+
 void Communicator::sum(std::span<double> values) const {
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM,
                 m_communicator);
@@ -72,6 +76,13 @@ void Communicator::broadcast(std::vector<int>& values) const {
 }
 void Communicator::broadcast(std::string& text, int from) const {
   broadcast_all(m_communicator, text, MPI_CHAR, from);
+}
+
+std::string Communicator::first_text(std::string mine) const {
+  const int first = minimum(mine.empty() ? size() : rank());
+  if (first == size()) return "";
+  broadcast(mine, first);
+  return mine;
 }
 
 void Communicator::barrier() const {

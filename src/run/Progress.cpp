@@ -37,11 +37,14 @@ Progress::Progress(ProgressDisplay display, bool is_root)
     : m_shown(is_root && display != ProgressDisplay::off), m_terminal(writes_to_terminal()) {}
 
 void Progress::print_line(const std::string& line, const char* ending) const {
-  if (m_terminal)
-    fmt::print("\r{:<100}{}", line, ending);
-  else
-    fmt::print("{}{}", line, ending);
+  // Not fmt::print, which throws: a reader who has gone away must not end the run.
+  const std::string text = m_terminal ? fmt::format("\r{:<100}{}", line, ending) : line + ending;
+  std::fputs(text.c_str(), stdout);
   std::fflush(stdout);
+}
+
+void Progress::note(const std::string& line) const {
+  if (m_shown) print_line(line, "\n");
 }
 
 double Progress::seconds_since_begin() const {

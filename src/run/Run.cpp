@@ -23,10 +23,6 @@ double peak_memory_bytes() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
-bool has_come(double time, double end) {
-  return time >= end * (1.0 - 1e-14);
-}
-
 }  // namespace
 
 template <int dim>
@@ -36,6 +32,7 @@ Run<dim>::Run(const RunOptions& options, Problem<dim> problem)
       m_simulation(m_problem.setup),
       m_output(options.output_dir),
       m_progress(options.progress, m_simulation.communicator().is_root()),
+      m_schedule(options.checkpoint, m_simulation.communicator().is_root()),
       m_times_left(options.particle_output_times) {
   check_counted_stage();
   std::sort(m_times_left.begin(), m_times_left.end());
@@ -49,6 +46,7 @@ Run<dim>::Run(const RunOptions& options, Problem<dim> problem)
   prescribe_initial_stress();
   if (m_problem.body_force) m_simulation.set_body_force(m_problem.body_force);
   m_simulation.open_ledger();
+  put_back();
 }
 
 template <int dim>
@@ -79,9 +77,12 @@ bool Run<dim>::counts(const Stage<dim>& stage) const {
 
 template <int dim>
 void Run<dim>::go(Fields at_end) {
-  for (const auto& observer : m_problem.observers) observer->begin(moment());
-  for (const Stage<dim>& stage : m_problem.stages)
-    if (!follow(stage)) break;
+  if (m_checkpoint.empty())
+    for (const auto& observer : m_problem.observers) observer->begin(moment());
+  else
+    go_on();
+  for (std::size_t k = static_cast<std::size_t>(m_clock.stage); k < m_problem.stages.size(); ++k)
+    if (!follow(m_problem.stages[k])) break;
   for (const auto& observer : m_problem.observers) observer->end(moment());
   if (at_end == Fields::written) write_fields();
 }
@@ -104,11 +105,12 @@ void Run<dim>::begin(const Stage<dim>& stage) {
 /// Returns false if the run as a whole is over.
 template <int dim>
 bool Run<dim>::follow(const Stage<dim>& stage) {
-  begin(stage);
+  if (!std::exchange(m_is_within_stage, false)) begin(stage);
   const petsc::Stage logged(stage.name);
   m_progress.begin(stage.name, m_clock.step);
   double share = stage.ending->share_done(moment());
   while (share < 1.0 && !is_over()) {
+    write_due_checkpoint();
     take_step(stage);
     share = stage.ending->share_done(moment());
     m_progress.update(share, m_clock.step, status(stage));
@@ -127,7 +129,9 @@ void Run<dim>::take_step(const Stage<dim>& stage) {
   load_surface();
   for (const auto& body : m_problem.bodies)
     stage.holds_bodies ? body->stand_still() : body->begin_step(dt);
+  m_simulation.tell(m_schedule.wishes());
   m_clock.advance(m_simulation.advance(m_clock.time, dt));
+  m_wishes |= m_simulation.heard();
   for (const auto& body : m_problem.bodies) body->end_step(m_clock.dt, m_clock.momentum_dt);
   m_seconds_in_steps += MPI_Wtime() - begin;
   stage.ending->after_step(moment());
@@ -197,25 +201,6 @@ std::string Run<dim>::status(const Stage<dim>& stage) const {
     text += more;
   }
   return text;
-}
-
-template <int dim>
-void Run<dim>::persist(Archive& archive) {
-  archive.group("clock", [&] { m_clock.persist(archive); });
-  for (std::size_t k = 0; k < m_problem.bodies.size(); ++k)
-    archive.group(fmt::format("body{}", k), [&] { m_problem.bodies[k]->persist(archive); });
-  archive.group("ledger", [&] { m_simulation.persist_ledger(archive); });
-  archive.group("regularisation", [&] { m_simulation.persist_regularisation(archive); });
-  archive.group("constraints", [&] { m_simulation.persist_constraints(archive); });
-  archive("has_main_begun", m_has_main_begun);
-  archive("last_written", m_last_written);
-  archive("output_times_left", m_times_left);
-  if (m_problem.field_cadence)
-    archive.group("fields", [&] { m_problem.field_cadence->persist(archive); });
-  for (std::size_t k = 0; k < m_problem.stages.size(); ++k)
-    archive.group(fmt::format("stage{}", k), [&] { m_problem.stages[k].ending->persist(archive); });
-  for (std::size_t k = 0; k < m_problem.observers.size(); ++k)
-    archive.group(fmt::format("observer{}", k), [&] { m_problem.observers[k]->persist(archive); });
 }
 
 template <int dim>

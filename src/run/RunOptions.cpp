@@ -36,6 +36,7 @@ void RunOptions::declare(options::OptionSet& options) {
   declare_regularisation(options);
   declare_balance(options);
   declare_outputs(options);
+  if (is_one_run) checkpoint.declare(options);
 }
 
 void RunOptions::declare_basis(options::OptionSet& options) {

@@ -77,11 +77,11 @@ template <int dim>
 void Ledger<dim>::persist(Archive& archive) {
   for (Cause<dim>& cause : m_causes)
     archive.group(cause.name, [&] {
-      archive("impulse", cause.impulse);
-      archive("work", cause.work);
-      if (cause.is_body) archive("body_work", cause.body_work);
+      archive.sum("impulse", cause.impulse);
+      archive.sum("work", cause.work);
+      if (cause.is_body) archive.sum("body_work", cause.body_work);
     });
-  archive("total_work", m_total_work);
+  archive.sum("total_work", m_total_work);
   archive("start_momentum", m_start.momentum);
   archive("start_kinetic", m_start.kinetic);
   archive("start_motion", m_start.motion);

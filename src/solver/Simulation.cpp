@@ -131,6 +131,39 @@ void Simulation<dim>::persist_constraints(Archive& archive) {
     archive.group(fmt::format("{}", k), [&] { m_constraints[k]->persist(archive); });
 }
 
+/// Which cells may hold particles and when these are sorted belongs to their order on a rank.
+template <int dim>
+void Simulation<dim>::persist(Archive& archive) {
+  archive("stable_dt", m_stable_dt);
+  archive("dt_old", m_dt_old);
+  archive("steps", m_steps);
+  archive("steps_since_renewal", m_steps_since_renewal);
+  archive("rebalancings", m_rebalancings);
+  archive("damping", m_options.damping);
+  archive("gravity", m_options.body_force.uniform);
+  archive.own("steps_since_sort", m_steps_since_sort);
+  grid::Box<dim> active = m_grid->active_box();
+  archive.own("active_begin", active.begin);
+  archive.own("active_end", active.end);
+  if (archive.gives()) m_grid->set_active_cells(active);
+  archive.group("ledger", [&] { persist_ledger(archive); });
+  archive.group("regularisation", [&] { persist_regularisation(archive); });
+  archive.group("constraints", [&] { persist_constraints(archive); });
+}
+
+template <int dim>
+void Simulation<dim>::keep_layout(const partition::Ownership<dim>& ownership) {
+  if (ownership != m_grid->ownership()) m_grid->set_ownership(ownership);
+  m_particles->keep_order();
+}
+
+template <int dim>
+void Simulation<dim>::share_out() {
+  if (communicator().size() > 1)
+    m_grid->set_ownership(m_balance.ownership(m_particles->count_in_cells(), m_grid->ownership()));
+  migrate();
+}
+
 template <int dim>
 void Simulation<dim>::start_from_rest() {
   {
@@ -207,23 +240,23 @@ StepTimes Simulation<dim>::advance(double time, double dt) {
   return times;
 }
 
-namespace {
-
-/// The greatest need of any rank. Collective.
-int agreed(const petsc::Communicator& communicator, int mine) {
+/// What any rank needs, one bit for each need. What ranks tell each other besides comes along.
+/// Collective.
+template <int dim>
+int Simulation<dim>::agreed(int mine) {
   const petsc::Phase phase("mpm: agree");
-  return communicator.maximum(mine);
+  const int all = communicator().united_bits((mine << heard_bits) | m_told);
+  m_heard = all & ((1 << heard_bits) - 1);
+  return all >> heard_bits;
 }
-
-}  // namespace
 
 /// All ranks learn whether one of them has to stop or to hand particles over.
 template <int dim>
 void Simulation<dim>::agree(const StepReport& report, const StepTimes& times) {
-  enum Need { nothing, sorting, migration, stop };
+  enum Need { nothing = 0, migration = 1, stop = 2 };
   const int mine = report.broken_particle >= 0 ? stop : report.must_migrate ? migration : nothing;
-  const int all = agreed(communicator(), mine);
-  if (all == stop) {
+  const int all = agreed(mine);
+  if ((all & stop) != 0) {
     const int rank = m_grid->rank();
     const int first = communicator().minimum(mine == stop ? rank : communicator().size());
     std::string text = rank == first ? describe(report.broken_particle, times) : "";
@@ -231,7 +264,7 @@ void Simulation<dim>::agree(const StepReport& report, const StepTimes& times) {
     const auto details = nlohmann::json::parse(text);
     throw NumericalFailure(details["message"].get<std::string>(), text);
   }
-  if (all == migration) {
+  if ((all & migration) != 0) {
     migrate();
   } else if (++m_steps_since_sort >= steps_between_sorts) {
     m_particles->sort();

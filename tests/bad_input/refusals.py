@@ -181,6 +181,15 @@ CASES = [
     (custom(38, "-dimension", "1", "-gravity_angle", "10"), ["-gravity_angle 10", "one direction"]),
     (custom(35, "-region_soil_stress", "1,2,3"), ["-region_soil_stress", "3 numbers", "4"]),
     (custom(36, "-body_plate_contour", "0.2,0.1"), ["-body_plate_contour", "nearer"]),
+    # what a run goes on from: checkpoints that are of no use are in tests/parallel/checkpoint_test.cpp
+    (["-scene", "mms1d", "-restart", "FILES/none.h5"], ["-restart", "none.h5", "No such file"]),
+    (["-scene", "mms1d", "-restart", "FILES/plain.opts"], ["-restart", "plain.opts", "no HDF5"]),
+    (["-scene", "mms1d", "-restart"], ["-restart", "needs a value"]),
+    (["-scene", "mms1d", "-wall_time_limit", "0"], ["-wall_time_limit 0", "min"]),
+    (["-scene", "mms1d", "-checkpoint_every", "-1"], ["-checkpoint_every -1", "steps"]),
+    (point("restart", "-restart", "auto"), ["-restart", "unknown"]),
+    (["-scene", "cut_cell", "-checkpoint_every", "10", "-output_dir", "OUT/cut_cell"],
+     ["-checkpoint_every", "unknown"]),
 ]
 FILES = {
     "custom.opts": b"""-domain 0,0,1,1

@@ -20,6 +20,8 @@ class Case {
   virtual const std::string& output_directory() const = 0;
   /// Takes the whole input; writes nothing. Throws BadInput where it cannot be run. Collective.
   virtual void prepare() {}
+  /// After prepare(): whether results in the output directory are those of this run so far.
+  virtual bool goes_on_in_place() const { return false; }
   /// Runs to the end and puts the answers into the summary. Collective.
   virtual void run(io::Summary& summary) = 0;
   /// The answer in one line, after run().

@@ -16,6 +16,8 @@ class GridCase : public Case {
   const std::string& output_directory() const final { return run_options().output_dir; }
   void prepare() final { m_run.emplace(run_options(), problem()); }
 
+  bool goes_on_in_place() const final { return m_run->goes_on_in_place(); }
+
   void run(io::Summary& summary) final {
     try {
       m_run->go();

@@ -37,10 +37,10 @@ class ContourReaction {
   BodyForce<dim> take_mean(const petsc::Communicator& communicator = petsc::world());
 
   void persist(Archive& archive) {
-    archive("force_time", m_force_time.force);
-    archive("moment_time", m_force_time.moment);
-    archive("momentum", m_momentum.force);
-    archive("angular_momentum", m_momentum.moment);
+    archive.sum("force_time", m_force_time.force);
+    archive.sum("moment_time", m_force_time.moment);
+    archive.sum("momentum", m_momentum.force);
+    archive.sum("angular_momentum", m_momentum.moment);
     archive("first_momentum", m_first_momentum.force);
     archive("first_angular_momentum", m_first_momentum.moment);
     archive("time", m_time);

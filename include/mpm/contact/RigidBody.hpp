@@ -62,7 +62,7 @@ class Meter {
 
   void persist(Archive& archive) {
     m_booking.persist(archive);
-    archive("moment_given", m_moment_given);
+    archive.sum("moment_given", m_moment_given);
     archive("time", m_time);
   }
 

@@ -40,6 +40,7 @@ class SpringContact : public grid::Constraint<dim> {
   void constrain(const grid::Grid<dim>& grid, grid::ConstrainedNodes<dim>& nodes) override;
   std::string label() const override { return m_options.label; }
   grid::Booking<dim>& booking() override { return m_body->meter().booking(); }
+  void persist(Archive& archive) override;
 
   RigidBody<dim>& body() { return *m_body; }
 

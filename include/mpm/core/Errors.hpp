@@ -35,4 +35,11 @@ class NumericalFailure : public std::runtime_error {
   std::string m_details;
 };
 
+/// The run has been stopped on purpose, with a checkpoint from which it can go on. Thrown on all
+/// ranks together.
+class StoppedEarly : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 }  // namespace mpm

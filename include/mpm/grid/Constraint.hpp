@@ -35,7 +35,7 @@ struct Booking {
   bool has_acted_on(int node) const {
     return std::ranges::find(changes, node, &Change::node) != changes.end();
   }
-  void persist(Archive& archive) { archive("impulse", impulse); }
+  void persist(Archive& archive) { archive.sum("impulse", impulse); }
 };
 
 /// The nodes of a rank in one of the two mappings of a step, as constraints may change them: the

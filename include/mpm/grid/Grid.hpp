@@ -86,6 +86,8 @@ class Grid {
   /// Says which cells of the whole grid may hold particles until it is said again; the same on all
   /// ranks. Nodes that these do not reach cost nothing in a step.
   void set_active_cells(const Box<dim>& cells);
+  /// What was said last.
+  const Box<dim>& active_box() const { return m_active_box; }
   /// Active cells whose particles this rank can carry.
   const CellSet<dim>& active_cells() const { return m_active_cells; }
   /// Goes up whenever the active nodes become others.

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "mpm/core/Archive.hpp"
 #include "mpm/grid/NodalField.hpp"
 #include "mpm/particles/Particles.hpp"
 
@@ -27,16 +28,26 @@ class FieldOutput {
   void write(const Moment& moment, const particles::Particles<dim>& particles,
              const grid::Grid<dim>& grid, const grid::NodalField<dim>& mass_and_momentum);
 
-  int count() const { return static_cast<int>(m_particle_grids.size()); }
+  /// Moments so far.
+  int count() const { return static_cast<int>(m_times.size()); }
+  void persist(Archive& archive) { archive("times", m_times); }
+  /// Goes on after the moments that have been put back: removes files of later ones that are in the
+  /// directory, and lists only earlier ones whose files are there. Returns the first that is.
+  /// Collective.
+  int go_on(const particles::Particles<dim>& particles, const grid::Grid<dim>& grid);
 
  private:
-  std::string write_particles(const Moment& moment, const particles::Particles<dim>& particles);
-  std::string write_grid(const Moment& moment, const grid::Grid<dim>& grid,
-                         const grid::NodalField<dim>& mass_and_momentum);
-  std::string path(const char* kind) const;
+  void write_particles(const Moment& moment, const particles::Particles<dim>& particles);
+  void write_grid(const Moment& moment, const grid::Grid<dim>& grid,
+                  const grid::NodalField<dim>& mass_and_momentum);
+  /// The files that join the moments.
+  void write_lists(const particles::Particles<dim>& particles, const grid::Grid<dim>& grid) const;
+  bool has_files(int k) const;
+  void remove_later_files() const;
 
   std::string m_directory;
-  std::vector<std::string> m_particle_grids, m_node_grids;  ///< XDMF of each moment
+  std::vector<double> m_times;  ///< of each moment, s
+  int m_first = 0;              ///< that has files here
 };
 
 extern template class FieldOutput<1>;

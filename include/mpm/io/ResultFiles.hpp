@@ -14,6 +14,10 @@ inline constexpr auto list_of_results = "result_files.txt";
 /// Returns whether the list could be written.
 bool register_result(const std::string& path);
 
+/// Removes a file that runs have written, if it is there, and leaves it in the list. For the rank
+/// that writes.
+void remove_result(const std::string& path);
+
 /// Removes the files that runs have listed in a directory, and nothing else. Collective.
 void remove_results(const std::string& directory,
                     const petsc::Communicator& communicator = petsc::world());

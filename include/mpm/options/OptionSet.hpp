@@ -40,6 +40,10 @@ struct Row {
 /// default that is not allowed, a question about an undeclared name.
 class OptionSet {
  public:
+  /// `title` is what the options are of.
+  explicit OptionSet(std::string title = "") : m_title(std::move(title)) {}
+  const std::string& title() const { return m_title; }
+
   /// Following declarations belong to this heading of help and reference.
   void section(std::string title);
 
@@ -61,6 +65,10 @@ class OptionSet {
   void text_list(std::string name, std::vector<std::string>& value, About about);
   /// Words that name things, each once: letters and digits, a letter first.
   void names(std::string name, std::vector<std::string>& value, About about);
+
+  /// The option declared last says how the program is called, not what a run is: used() has it as a
+  /// comment.
+  void leave_out_of_used() { m_options.back().is_left_out = true; }
 
   /// The option declared last says which further options there are: `declare` declares them once
   /// its value is known, before any other option is read; `example` declares what pages show of
@@ -85,6 +93,7 @@ class OptionSet {
   /// allowed, and for an unknown name the nearest declared one.
   void assign(std::span<const Given> given);
 
+  bool has(std::string_view name) const { return find(name) != nullptr; }
   bool is_given(std::string_view name) const;
   /// Given, and not as its default: used.opts gives every option, and has to pass as it is.
   bool is_changed(std::string_view name) const;
@@ -114,6 +123,7 @@ class OptionSet {
     std::string initial = {};  ///< the default for readers
     std::string origin = {};   ///< empty unless given
     bool is_preset = false;
+    bool is_left_out = false;                            ///< of used()
     std::function<void()> open = {}, open_example = {};  ///< declare further options
   };
   void add(Option option);
@@ -138,6 +148,7 @@ class OptionSet {
   std::string by_section(const std::function<std::string(const std::string&)>& heading,
                          const std::function<std::string(const Option&)>& entry) const;
 
+  std::string m_title;
   std::string m_section = "General";
   std::string m_prefix;
   std::vector<Option> m_options;

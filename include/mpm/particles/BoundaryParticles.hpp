@@ -64,7 +64,15 @@ class BoundaryParticles {
   void add(std::span<const SurfacePiece<dim>> pieces);
 
   void migrate();
+
+  /// See Swarm.
+  template <class Visit>
+  void for_each_column(const Visit& visit) const {
+    m_swarm.for_each_column(visit);
+  }
+  void replace(int count) { m_swarm.replace(count); }
   BoundaryView<dim> view() const { return BoundaryView<dim>(m_swarm); }
+  int local_count() const { return m_swarm.local_count(); }
   long long global_count() const { return m_swarm.global_count(); }
   bool is_empty() const { return m_swarm.global_count() == 0; }
 

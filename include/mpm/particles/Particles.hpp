@@ -124,6 +124,16 @@ class Particles {
 
   ParticleView<dim> view() const { return {m_swarm, m_fields, m_members}; }
 
+  /// See Swarm. Columns are those of all fields that are not derived.
+  template <class Visit>
+  void for_each_column(const Visit& visit) const {
+    m_swarm.for_each_column(visit);
+  }
+  void replace(int count) { m_swarm.replace(count); }
+  /// Takes particles that have been put back in the order in which they are, which is that of a
+  /// former sort. Throws BadInput where materials are not one after another or unknown. Local.
+  void keep_order();
+
   /// The particles of a material after the last sort.
   Range range_of(int material) const { return m_ranges[static_cast<std::size_t>(material)]; }
   /// Views of one material's stress and state; the strain increments are left to the caller.

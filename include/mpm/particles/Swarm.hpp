@@ -63,6 +63,26 @@ class Swarm {
   /// Makes room for so many more points on this rank; returns the index of the first. Collective.
   int grow(int count);
 
+  /// Makes room for so many points on this rank in place of all that are there. Collective.
+  void replace(int count);
+
+  /// Visits what is known of the points, to save it or put it back: visit(name, span), a span of
+  /// double, PetscInt or, for the id, std::int64_t. Local.
+  template <class Visit>
+  void for_each_column(const Visit& visit) const {
+    OpenColumns open(m_swarm);
+    const auto count = static_cast<std::size_t>(local_count());
+    for (const Slot& slot : m_slots) {
+      void* const data = open.open(slot.name);
+      if (slot.name == id_column)
+        visit(slot.name, std::span(static_cast<std::int64_t*>(data), count));
+      else if (slot.type == Type::real)
+        visit(slot.name, std::span(static_cast<double*>(data), count));
+      else
+        visit(slot.name, std::span(static_cast<PetscInt*>(data), count));
+    }
+  }
+
   /// Sends every point to the rank that owns its cell, cells[p] for point p. Throws
   /// NumericalFailure on all ranks if a cell lies outside the grid or a point got lost. Collective.
   void migrate(std::span<const std::array<int, dim>> cells);
@@ -74,6 +94,7 @@ class Swarm {
   struct Slot {
     std::string name;
     std::size_t bytes;
+    Type type = Type::integer;
   };
 
   std::vector<std::byte*> open_slots(OpenColumns& open) const;

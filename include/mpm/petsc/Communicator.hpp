@@ -28,6 +28,8 @@ class Communicator {
   int minimum(int value) const;
   int maximum(int value) const;
   bool all(bool holds) const { return minimum(holds ? 1 : 0) != 0; }
+  /// The bits that any rank has set.
+  int united_bits(int bits) const;
 
   /// Of every entry, in place.
   void sum(std::span<double> values) const;
@@ -39,6 +41,8 @@ class Communicator {
   /// What one rank has becomes what all have.
   void broadcast(std::vector<int>& values) const;
   void broadcast(std::string& text, int from = 0) const;
+  /// The text of the first rank that has one; empty if none has.
+  std::string first_text(std::string mine) const;
 
   void barrier() const;
 

@@ -5,6 +5,11 @@
 
 namespace mpm::run {
 
+/// Whether a time that steps are cut to meet has come, s.
+inline bool has_come(double time, double end) {
+  return time >= end * (1.0 - 1e-14);
+}
+
 /// What time it is in a run. The run alone writes it; everyone else reads.
 struct Clock {
   long long step = 0;  ///< steps since the start of the run

@@ -42,6 +42,8 @@ class History : public Observer<dim> {
 
   void begin_stage(const Moment<dim>& moment) override;
   void after_step(const Moment<dim>& moment) override;
+  /// Writes the table as far as it had come.
+  void go_on(const Moment<dim>& moment) override;
   void end(const Moment<dim>& moment) override;
   std::string status() const override { return m_table.status ? m_table.status(*this) : ""; }
   void persist(Archive& archive) override;
@@ -59,10 +61,13 @@ class History : public Observer<dim> {
   void insert_clock(std::vector<Value>& row, const std::array<Value, 2>& clock) const;
   void open(const Moment<dim>& moment);
   void write_row(const Moment<dim>& moment);
+  void write(const std::vector<double>& row, const std::vector<double>& added);
 
   HistoryTable<dim> m_table;
   std::unique_ptr<io::CsvFile> m_file;
   std::vector<std::vector<double>> m_rows;
+  std::vector<std::vector<double>> m_added;  ///< to each row: dt, step, ledger
+  bool m_has_begun = false;
 };
 
 extern template class History<1>;

@@ -36,6 +36,9 @@ class Observer {
   virtual void begin_stage(const Moment<dim>&) {}
   /// After every step from the main stage on.
   virtual void after_step(const Moment<dim>&) {}
+  /// Before the first step of a run that goes on from a checkpoint, when persist() has put back
+  /// what there was.
+  virtual void go_on(const Moment<dim>&) {}
   /// When the run is over.
   virtual void end(const Moment<dim>&) {}
   /// Short text for the progress line, from values at hand; no communication.

@@ -16,6 +16,8 @@ class Progress {
   void begin(const std::string& stage, long long step);
   void update(double share_done, long long step, const std::string& status);
   void end(long long step);
+  /// A line for itself.
+  void note(const std::string& line) const;
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mpm/options/OptionSet.hpp"
+#include "mpm/run/CheckpointOptions.hpp"
 #include "mpm/solver/Simulation.hpp"
 
 namespace mpm::run {
@@ -39,6 +40,9 @@ struct RunOptions {
   /// Where the limits and outputs above count from the beginning of; the main one if empty.
   std::string counted_stage;
   ProgressDisplay progress = ProgressDisplay::automatic;
+  /// Of one run that can be interrupted; a scene of many, or of none, has no such options.
+  bool is_one_run = true;
+  CheckpointOptions checkpoint;
 
   void declare(options::OptionSet& options);
 

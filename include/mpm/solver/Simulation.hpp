@@ -62,6 +62,13 @@ class Simulation {
   /// left the grid or a stress is not finite, naming the particle. Collective.
   StepTimes advance(double time, double dt);
 
+  /// What this rank tells all others in the course of the next step, without a message of its own:
+  /// bits, of which there are heard_bits. Local.
+  void tell(int bits) { m_told = bits; }
+  /// The bits that any rank told in the last step.
+  int heard() const { return m_heard; }
+  static constexpr int heard_bits = 4;
+
   /// Sets velocities, displacements and accumulated strain to zero and halves the next change of
   /// momentum: the start of a stage from rest. Collective.
   void start_from_rest();
@@ -73,6 +80,15 @@ class Simulation {
   void add_constraint(std::shared_ptr<grid::Constraint<dim>> constraint);
   /// Saves or puts back what constraints know between steps.
   void persist_constraints(Archive& archive);
+
+  /// Saves or puts back what is known between steps, but for the particles and who owns which
+  /// cells; these have to be put back before.
+  void persist(Archive& archive);
+  /// Takes particles that have been put back as they were on the same ranks, which owned these
+  /// cells. Throws BadInput where they cannot have. Local.
+  void keep_layout(const partition::Ownership<dim>& ownership);
+  /// Shares out the cells by the particles, wherever these are, and sends them there. Collective.
+  void share_out();
 
   void set_damping(double damping) { m_options.damping = damping; }
   void set_gravity(const Vector<dim>& gravity) { m_options.body_force.uniform = gravity; }
@@ -127,6 +143,7 @@ class Simulation {
   void rebalance();
   void migrate();
   void renew_time_step();
+  int agreed(int mine);
   void agree(const StepReport& report, const StepTimes& times);
   std::string describe(int particle, const StepTimes& times) const;
 
@@ -149,6 +166,7 @@ class Simulation {
   int m_steps_since_renewal = 0;  ///< of the stable dt
   int m_steps_since_sort = 0;
   int m_rebalancings = 0;
+  int m_told = 0, m_heard = 0;
 };
 
 extern template class Simulation<1>;

@@ -244,6 +244,7 @@ class Custom : public Case {
     m_case = case_of(m_options);
     m_case->prepare();
   }
+  bool goes_on_in_place() const override { return m_case->goes_on_in_place(); }
   void run(io::Summary& summary) override { m_case->run(summary); }
   std::string answer(const io::Summary& summary) const override { return m_case->answer(summary); }
 
