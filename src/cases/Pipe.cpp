@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "mpm/analysis/BearingCapacity.hpp"
@@ -18,6 +19,7 @@
 #include "mpm/run/BodyReaction.hpp"
 #include "mpm/run/Endings.hpp"
 #include "mpm/run/History.hpp"
+#include "mpm/run/Inertia.hpp"
 
 namespace mpm::cases {
 namespace {
@@ -29,7 +31,7 @@ constexpr double band_begin = 0.15;     // D, distance of the contour from the p
 constexpr double band_end = 0.85;       // D
 constexpr double depth_in_pipe = 0.02;  // of its radius, from which on a particle is in it
 constexpr std::size_t u_over_D_column = 2, N_d_column = 4, N_d_contour_column = 8,
-                      in_pipe_column = 10;
+                      in_pipe_column = 10, inertia_column = 12;
 
 using Now = run::Moment<2>;
 
@@ -100,6 +102,7 @@ class Pipe : public GridCase<2> {
   run::Numbers field_numbers() const;
   void report_rest(io::Summary& summary) const;
   void report_model(io::Summary& summary) const;
+  double inertia_at(double displacement_over_D) const;
   void report_threshold(io::Summary& summary) const;
 
   double displacement() const { return -m_pipe.depth() - m_body->position[1]; }
@@ -109,6 +112,7 @@ class Pipe : public GridCase<2> {
 
   PipeOptions m_pipe;
   std::shared_ptr<contact::RigidBody<2>> m_body;
+  std::shared_ptr<run::Inertia<2>> m_inertia;
   std::shared_ptr<run::BodyReaction<2>> m_reaction;
   std::shared_ptr<run::AtRest<2>> m_ending;
   std::shared_ptr<run::History<2>> m_history;
@@ -128,7 +132,7 @@ run::Problem<2> Pipe::problem() {
   problem.bodies = {m_body};
   problem.constraints = {[this](const auto& simulation) { return make_contact(simulation); }};
   problem.stages = {rest(), push()};
-  problem.observers = {m_rest, m_reaction, m_history};
+  problem.observers = {m_rest, m_inertia, m_reaction, m_history};
   problem.field_cadence = run::Cadence<2>(
       field_spacing, [this](const Now&) { return u_over_D(); }, early_field);
   problem.writes_fields_at_start = true;
@@ -137,10 +141,11 @@ run::Problem<2> Pipe::problem() {
 }
 
 void Pipe::make_body() {
-  const contact::Ramp ramp{m_pipe.velocity, m_pipe.ramp_distance * m_pipe.diameter};
+  const auto paced = m_pipe.paced_motion();
   m_body = std::make_shared<contact::RigidBody<2>>(
       std::make_shared<geometry::Ball<2>>(m_pipe.radius()), Vector<2>{0.0, -m_pipe.depth()},
-      std::make_shared<contact::RampMotion<2>>(Vector<2>{0.0, -1.0}, ramp));
+      paced ? paced : m_pipe.ramped_motion());
+  m_inertia = std::make_shared<run::Inertia<2>>(m_body, paced, m_pipe.inertia());
   m_reaction = std::make_shared<run::BodyReaction<2>>(
       m_body, contact::ContourBand{.inner = band_begin * m_pipe.diameter,
                                    .outer = band_end * m_pipe.diameter});
@@ -208,7 +213,8 @@ run::HistoryTable<2> Pipe::history() {
   return {.path = path("history.csv"),
           .columns = {"time_s", "displacement_m", "u_over_D", "reaction_N_per_m", "N_d",
                       "reaction_contour_N_per_m", "kinetic_energy_J_per_m", "out_of_balance",
-                      "N_d_contour", "particles_at_limits", "particles_in_pipe"},
+                      "N_d_contour", "particles_at_limits", "particles_in_pipe", "velocity_m_per_s",
+                      "inertia"},
           .row = [this](const Now& now) { return row(now); },
           .cadence = run::Cadence<2>(row_spacing, [this](const Now&) { return u_over_D(); })
                          .or_every(m_pipe.run.history_every),
@@ -234,7 +240,9 @@ std::vector<double> Pipe::row(const Now& now) {
           now.simulation.out_of_balance(),
           contour / m_pipe.reference_force(),
           particles_at_limits(now.simulation.particles()),
-          particles_in_pipe(now.simulation.particles(), *m_body, m_pipe.radius())};
+          particles_in_pipe(now.simulation.particles(), *m_body, m_pipe.radius()),
+          -m_body->velocity[1],
+          m_inertia->share()};
 }
 
 run::Numbers Pipe::field_numbers() const {
@@ -281,6 +289,14 @@ void add(io::Summary& summary, const analysis::SummaryValues& values) {
   for (const auto& [key, value] : values) summary.set(key, value);  // NaN becomes null
 }
 
+/// In the last row before a displacement; not a number where there is none.
+double Pipe::inertia_at(double displacement_over_D) const {
+  double inertia = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& row : m_history->rows())
+    if (row[u_over_D_column] <= displacement_over_D) inertia = row[inertia_column];
+  return inertia;
+}
+
 void Pipe::report_threshold(io::Summary& summary) const {
   summary.set("u_over_D_end", m_history->last(u_over_D_column));
   summary.set("N_d_end", m_history->last(N_d_column));
@@ -295,6 +311,7 @@ void Pipe::report_threshold(io::Summary& summary) const {
   add(summary, analysis::threshold_summary(thresholds[1], "_to_0.9"));
   summary.set("threshold_reason", thresholds[0].reason);
   summary.set("particles_in_pipe_most", std::ranges::max(m_history->column(in_pipe_column)));
+  summary.set("inertia_at_threshold", inertia_at(thresholds[0].u_df_over_D));
   add(summary, analysis::bearing_summary({.diameter = m_pipe.diameter,
                                           .embedment_ratio = m_pipe.embedment_ratio,
                                           .unit_weight = m_pipe.unit_weight(),

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "mpm/cases/ContactDetection.hpp"
 #include "mpm/core/Errors.hpp"
@@ -16,6 +17,8 @@ constexpr double fine_beside_pipe = 3.0;            // D from the axis
 constexpr double fine_below_end = 2.0;              // D below the invert's last position
 constexpr double air_above = 1.5;                   // D, room for heave
 constexpr double flip_time_over_fall_time = 0.016;  // of sqrt(D/g): 30 steps or so
+constexpr double pace_time_over_fall_time = 0.1;    // of sqrt(D/g): in which waves go 10 D or so
+constexpr double inertia_length = 0.0025;           // D: then the share is about the error of N_d
 
 }  // namespace
 
@@ -42,14 +45,39 @@ void PipeOptions::declare_pipe(options::OptionSet& options) {
   options.real(
       "pipe_embedment_ratio", embedment_ratio, {.minimum = 1.0, .maximum = 100.0},
       {"1", "depth of the springline below the surface over D, H/D", "paper, section 4.1"});
-  options.real("pipe_velocity", velocity, options::positive(),
-               {"m/s", "downward velocity after the ramp",
-                "chosen: slower runs differ little; the paper uses 0.004"});
+  options.optional_real("pipe_velocity", velocity, options::positive(),
+                        "as fast as -inertia_tolerance allows",
+                        {"m/s", "downward velocity after the ramp",
+                         "docs/verification/pipe.md; the paper uses 0.004"});
+  options.real("inertia_tolerance", inertia_tolerance, {.minimum = 1e-4, .maximum = 10.0},
+               {"1",
+                "for -pipe_velocity auto: largest kinetic energy of the soil over the work of the "
+                "reaction on "
+                "D/400, which is about the share that inertia adds to N_d",
+                "docs/verification/pipe.md"});
   options.real("pipe_end_displacement", end_displacement,
                {.minimum = 0.0, .maximum = 5.0, .open_minimum = true},
                {"D", "displacement at which the run ends, u/D", "paper, section 4.1"});
   options.real("pipe_ramp_distance", ramp_distance, options::between(0.0, 1.0),
-               {"D", "displacement over which the velocity rises as (1 - cos)/2", "chosen"});
+               {"D", "displacement over which a given velocity rises as (1 - cos)/2", "chosen"});
+}
+
+std::shared_ptr<contact::PacedMotion<2>> PipeOptions::paced_motion() const {
+  return velocity ? nullptr : std::make_shared<contact::PacedMotion<2>>(Vector<2>{0.0, -1.0});
+}
+
+std::shared_ptr<contact::Motion<2>> PipeOptions::ramped_motion() const {
+  return std::make_shared<contact::RampMotion<2>>(
+      Vector<2>{0.0, -1.0}, contact::Ramp{velocity.value(), ramp_distance * diameter});
+}
+
+run::InertiaOptions PipeOptions::inertia() const {
+  const double modelled = is_half() ? 0.5 : 1.0;
+  return {.length = inertia_length * diameter,
+          .tolerance = inertia_tolerance,
+          .smallest_mass = modelled * density() * diameter * diameter,
+          .time = pace_time_over_fall_time * std::sqrt(diameter / gravity),
+          .smallest_force = modelled * unit_weight() * std::numbers::pi * radius() * radius()};
 }
 
 void PipeOptions::declare_grid(options::OptionSet& options) {

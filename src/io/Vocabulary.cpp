@@ -201,6 +201,10 @@ constexpr std::array pipe_answers{
     Answer{"relative_density", "1", "of the sand at the start"},
     Answer{"particles_in_pipe_most", "1",
            "particles deeper in the pipe than 2 % of its radius, most of all rows of the history"},
+    Answer{
+        "inertia_at_threshold", "1",
+        "kinetic energy over the work of the reaction on D/400, just before the threshold: about "
+        "the share that inertia adds to N_d"},
     Answer{"cell_over_d50", "1", "cell near the pipe over the grains' mean diameter"},
 };
 

@@ -14,6 +14,8 @@
 namespace mpm::options {
 namespace {
 
+constexpr std::string_view word_for_absent = "auto";
+
 template <class Number>
 std::string allowed_text(std::string_view kind, const Range<Number>& range) {
   const std::string limits = describe(range);
@@ -159,12 +161,16 @@ void OptionSet::optional_real(std::string name, std::optional<double>& value, Re
                               std::string when_absent, About about) {
   const auto read = [allowed, &value](std::string_view text) {
     double number = 0.0;
+    if (text == word_for_absent) {
+      value.reset();
+      return std::string{};
+    }
     std::string fault = options::read(text, allowed, number);
     if (fault.empty()) value = number;
     return fault;
   };
   add({.name = std::move(name),
-       .allowed = allowed_text("real", allowed),
+       .allowed = fmt::format("{} | {}", allowed_text("real", allowed), word_for_absent),
        .about = std::move(about),
        .read = read,
        .present = [&value] { return value ? fmt::format("{}", *value) : std::string{}; },

@@ -126,6 +126,7 @@ CASES = [
     # softening averaged over a length
     (["-scene", "biaxial", "-regularisation_length", "0.19"],
      ["-regularisation_length 0.19", "at least 0.2 m"]),
+    (["-scene", "pipe", "-pipe_velocity", "automatic"], ["-pipe_velocity automatic", "auto"]),
     (["-scene", "pipe", "-regularisation_length", "9"], ["-regularisation_length 9", "at most"]),
     (["-scene", "mms1d", "-regularisation_length", "0.5"], ["-regularisation_length 0.5", "no law"]),
     (["-scene", "biaxial", "-regularisation_length", "-0.2"], ["-regularisation_length -0.2"]),
@@ -177,6 +178,7 @@ CASES = [
     (custom(32, "-fine_box", "0,0,3,1"), ["-fine_box", "not within"]),
     (custom(33, "-lines_x", "FILES/motion.csv"), ["-lines_x", "motion.csv:2"]),
     (custom(34, "-region_soil_K0", "-1"), ["-region_soil_K0 -1"]),
+    (custom(38, "-dimension", "1", "-gravity_angle", "10"), ["-gravity_angle 10", "one direction"]),
     (custom(35, "-region_soil_stress", "1,2,3"), ["-region_soil_stress", "3 numbers", "4"]),
     (custom(36, "-body_plate_contour", "0.2,0.1"), ["-body_plate_contour", "nearer"]),
     # what a run goes on from: checkpoints that are of no use are in tests/parallel/checkpoint_test.cpp

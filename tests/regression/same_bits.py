@@ -30,7 +30,7 @@ TRANSFERS = ("flip", "pic", "apic")
 LAWS = ("sand", "elastic", "von_mises", "mohr_coulomb")
 TESTS = ("triaxial_compression", "triaxial_extension", "plane_strain",
          "simple_shear_constant_volume", "oedometer")
-PIPE = ("-scene pipe -pipe_cells_per_diameter 4 -pipe_domain_width 4 -pipe_domain_depth_below 3 "
+PIPE = ("-scene pipe -pipe_velocity 0.2 -pipe_cells_per_diameter 4 -pipe_domain_width 4 -pipe_domain_depth_below 3 "
         "-geostatic_tolerance 0.1 -geostatic_stress_tolerance 0.1 -geostatic_reaction_tolerance 10")
 CUBE = "-scene triaxial -cells 4 -triaxial_velocity 0.3"
 FIELDS = "-progress off -particle_output_every 30"

@@ -190,6 +190,13 @@ TEST(Options, the_largest_64_bit_integer_is_kept_exactly) {
   EXPECT_EQ(sample.cells, 9223372036854775807);
 }
 
+TEST(Options, the_word_auto_stands_for_the_default_of_a_number_that_has_none) {
+  Sample sample;
+  sample.friction = 0.4;
+  sample.assign("contact_friction", "auto");
+  EXPECT_FALSE(sample.friction);
+}
+
 TEST(Options, the_ends_of_a_closed_range_are_allowed) {
   Sample sample;
   sample.assign({{"sand_void_ratio", "0.2", "x"}, {"courant", "2", "x"}, {"sand_c", "0.25", "x"}});
@@ -228,7 +235,7 @@ TEST(Options, values_out_of_range_are_refused_with_the_range) {
   EXPECT_TRUE(says(refusal("pipe_cells_per_diameter", "-4"),
                    {"-pipe_cells_per_diameter -4", "integer, >= 1;"}));
   EXPECT_TRUE(says(refusal("contact_friction", "-0.1"),
-                   {"allowed: real, >= 0;", "default: tan(0.6 phi_c)"}));
+                   {"allowed: real, >= 0 | auto;", "default: tan(0.6 phi_c)"}));
 }
 
 TEST(Options, what_is_not_finite_is_refused) {

@@ -59,13 +59,16 @@ def same_fields(one, other):
     return a.keys() == b.keys() and all(numpy.array_equal(a[name], b[name]) for name in a)
 
 
+PUSHED = {"pipe": ["-pipe_velocity", "0.2"]}
+
+
 def same_bits(program, inputs):
     short = ["-max_steps", "300", "-history_every", "20"]
     held = []
     for scene, force, by_hand, share in [
             ("pipe", "reaction_N_per_m", "pipe_force_y_N_per_m", 2.0),
             ("biaxial", "vertical_stress_Pa", "plate_force_y_N_per_m", 1.0)]:
-        built_in = program.run(scene, "-scene", scene, *short)
+        built_in = program.run(scene, "-scene", scene, *short, *PUSHED.get(scene, []))
         custom = program.run(f"{scene}_by_hand", "-options_file",
                              str(inputs / f"{scene}.opts"), *short)
         forces, others = built_in.column(force), share * custom.column(by_hand)

@@ -17,7 +17,7 @@ TABLES = (Table("load_balance", ("scene", "moment", "ranks", "method"), ("max_ov
 SCENES = {
     "collapse": ["-scene", "collapse", "-cells", "40", "-particle_output_times", "0.25,0.5,1",
                  "-end_time", "1"],
-    "pipe": ["-scene", "pipe", "-pipe_cells_per_diameter", "8", "-pipe_domain_width", "6",
+    "pipe": ["-scene", "pipe", "-pipe_velocity", "0.2", "-pipe_cells_per_diameter", "8", "-pipe_domain_width", "6",
              "-pipe_domain_depth_below", "4", "-max_steps", "300",
              "-particle_output_every", "300"],
 }

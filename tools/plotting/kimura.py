@@ -15,10 +15,9 @@ MEASURED = {
               (0.1393, 740), (0.1563, 744)),
 }
 COLOURS = {"6": style.SKY, "12": style.BLUE, "24": style.PURPLE}
-VARIANTS = {("6", "slow"): (style.GREEN, "-"), ("6", "averaged"): (style.ORANGE, "-"),
-            ("6", "averaged,fast"): (style.ORANGE, ":"),
-            ("6", "averaged,slow"): (style.ORANGE, "--"), ("12", "averaged"): (style.RED, "-"),
-            ("12", "averaged,length"): (style.RED, ":"), ("12", "length"): (style.PURPLE, "-")}
+VARIANTS = {("6", "slow"): (style.SKY, "--"), ("12", "slow"): (style.BLUE, "--"),
+            ("6", "not averaged"): (style.ORANGE, "-"), ("12", "not averaged"): (style.RED, "-"),
+            ("12", "length"): (style.GREEN, "-")}
 
 
 def plot(axes, row, **options):

@@ -18,14 +18,14 @@ COMMON = {
     "scene": "custom", "dimension": 2, "domain": "0,-0.3,0.25,0.03",
     "fine_box": "0,-0.06,0.12,0.03", "far_cell_ratio": 4,
     "walls": "symmetry,roller,fixed,free", "gravity": 294.3,
-    "flip_time": 0.00016,
+    "average_volume": "true", "flip_time": 0.00016,  # as the pipe's: 0.016 sqrt(B/g)
     "regions": "ground", "region_ground_box": "0,-0.3,0.25,0", "region_ground_material": "sand",
     "region_ground_sand": "toyoura", "region_ground_sand_cohesion": 0, "region_ground_K0": 0.5,
     "bodies": "footing", "body_footing_box": "-0.015,0,0.015,0.03",
     "body_footing_velocity": "0,-0.1", "body_footing_ramp": 0.0003,
     "stages": "push", "stage_push_until": "footing:0.0075",
 }
-AVERAGED = {"average_volume": "true"}
+NOT_AVERAGED = {"average_volume": "false"}
 LENGTH = {"regularisation_length": 0.005}
 BASES = {"rough": {"body_footing_friction_law": "rough"}, "smooth": {"body_footing_friction": 0}}
 
@@ -41,13 +41,12 @@ def jobs():
         for test in ("V85.6", "V64.6"):
             for base in BASES:
                 yield f"{test}_{base}_{cells}", case(test, base, cells)
-    coarse, fine = (case("V85.6", "rough", cells) for cells in (6, 12))
+    coarse, fine, finest = (case("V85.6", "rough", cells) for cells in (6, 12, 24))
+    yield "V85.6_rough_24", finest
     yield "V85.6_rough_6_slow", coarse | {"body_footing_velocity": "0,-0.05"}
-    yield "V85.6_rough_6_averaged", coarse | AVERAGED
-    yield "V85.6_rough_6_averaged,fast", coarse | AVERAGED | {"body_footing_velocity": "0,-0.2"}
-    yield "V85.6_rough_6_averaged,slow", coarse | AVERAGED | {"body_footing_velocity": "0,-0.05"}
-    yield "V85.6_rough_12_averaged", fine | AVERAGED
-    yield "V85.6_rough_12_averaged,length", fine | AVERAGED | LENGTH
+    yield "V85.6_rough_12_slow", fine | {"body_footing_velocity": "0,-0.05"}
+    yield "V85.6_rough_6_not averaged", coarse | NOT_AVERAGED
+    yield "V85.6_rough_12_not averaged", fine | NOT_AVERAGED
     yield "V85.6_rough_12_length", fine | LENGTH
 
 

@@ -15,7 +15,8 @@ MEDIUM_500 = PAPER_SAND | {
     "pipe_end_displacement": 0.205, "pipe_far_cell_ratio": 4,
 }
 DENSE_37 = PAPER_SAND | {
-    "scene": "pipe", "pipe_end_displacement": 0.205, "pipe_far_cell_ratio": 4}
+    "scene": "pipe", "pipe_velocity": 0.2, "pipe_end_displacement": 0.205,
+    "pipe_far_cell_ratio": 4}
 AS_IN_INPUT = {  # the domain of input/pipe.opts, with the scene's own numerics
     "scene": "pipe", "pipe_domain_width": 20, "pipe_domain_depth_below": 14,
     "pipe_far_cell_ratio": 4}

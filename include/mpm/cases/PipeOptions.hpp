@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "mpm/contact/RigidContact.hpp"
 #include "mpm/material/SandFactory.hpp"
 #include "mpm/particles/Seeding.hpp"
+#include "mpm/run/Inertia.hpp"
 #include "mpm/run/RunOptions.hpp"
 #include "mpm/solver/Simulation.hpp"
 
@@ -21,9 +23,10 @@ struct PipeOptions {
   run::RunOptions run;
   material::SandFactory sand;
 
-  double diameter = 0.0375;       ///< m
-  double embedment_ratio = 3.0;   ///< H/D
-  double velocity = 0.2;          ///< m/s
+  double diameter = 0.0375;        ///< m
+  double embedment_ratio = 3.0;    ///< H/D
+  std::optional<double> velocity;  ///< m/s
+  double inertia_tolerance = 0.02;
   double end_displacement = 0.9;  ///< u/D
   double ramp_distance = 0.02;    ///< u/D
   std::int64_t cells_per_diameter = 8;
@@ -59,6 +62,11 @@ struct PipeOptions {
   /// gamma H D, N/m: what makes a reaction dimensionless.
   double reference_force() const { return unit_weight() * depth() * diameter; }
 
+  /// Downward, at a speed that inertia sets; null where a velocity is given.
+  std::shared_ptr<contact::PacedMotion<2>> paced_motion() const;
+  /// Downward, at the given velocity once it has risen.
+  std::shared_ptr<contact::Motion<2>> ramped_motion() const;
+  run::InertiaOptions inertia() const;
   /// Grid, walls, sand and gravity. Throws BadInput if the grid would be too large.
   solver::SimulationSetup<2> setup() const;
   /// Points that fill the pipe, for contact found through its nodal mass.

@@ -53,7 +53,8 @@ class OptionSet {
   /// Values true|false; the bare name means true.
   void flag(std::string name, bool& value, About about);
   void real_list(std::string name, std::vector<double>& value, RealRange allowed, About about);
-  /// No default value: `when_absent` says what holds then ("tan(0.6 phi_c)").
+  /// No default value: `when_absent` says what holds then ("tan(0.6 phi_c)"). The word auto stands
+  /// for it.
   void optional_real(std::string name, std::optional<double>& value, RealRange allowed,
                      std::string when_absent, About about);
   template <class Enum>
