@@ -36,6 +36,7 @@ SCENES = {
     "pipe_velocity": (f"{PIPE} -max_steps 60 -contact_detection velocity -contact_normal gradient",
                       37),
     "pipe_particle": (f"{PIPE} -max_steps 60 -contact_detection particle -average_volume", 37),
+    "pipe_paced": (PIPE.replace("-pipe_velocity 0.2", "-max_steps 60"), 37),
     "pipe_at_rest": (f"{PIPE} -max_steps 90 -counted_stage geostatic -contact_detection spring", 70),
     "pipe_regularised": (f"{PIPE} -max_steps 60 -regularisation_length 0.025", 37),
     "biaxial": ("-scene biaxial -cell_size 0.25 -rest_tolerance 0.1 -max_steps 150 "
