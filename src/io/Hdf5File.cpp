@@ -13,30 +13,12 @@
 #include <filesystem>
 #include <utility>
 
+#include "Hdf5Types.hpp"
 #include "mpm/core/Errors.hpp"
 #include "mpm/io/ResultFiles.hpp"
 
 namespace mpm::io {
 namespace {
-
-template <class Value>
-hid_t native_type();
-template <>
-hid_t native_type<double>() {
-  return H5T_NATIVE_DOUBLE;
-}
-template <>
-hid_t native_type<float>() {
-  return H5T_NATIVE_FLOAT;
-}
-template <>
-hid_t native_type<std::int64_t>() {
-  return H5T_NATIVE_INT64;
-}
-template <>
-hid_t native_type<std::int32_t>() {
-  return H5T_NATIVE_INT32;
-}
 
 hsize_t product(const std::vector<hsize_t>& factors) {
   hsize_t result = 1;

@@ -7,23 +7,10 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "Hdf5Types.hpp"
+
 namespace mpm::io {
 namespace {
-
-template <class Value>
-hid_t native_type();
-template <>
-hid_t native_type<double>() {
-  return H5T_NATIVE_DOUBLE;
-}
-template <>
-hid_t native_type<std::int64_t>() {
-  return H5T_NATIVE_INT64;
-}
-template <>
-hid_t native_type<std::int32_t>() {
-  return H5T_NATIVE_INT32;
-}
 
 [[noreturn]] void fail(const std::string& name) {
   throw std::runtime_error(fmt::format("has no '{}' that can be read: it is damaged", name));
