@@ -239,7 +239,7 @@ def signals(program, base):
     yield "KILL", interrupted(program, base, "kill", to_last_rank(signal.SIGKILL), 137,
                               "-checkpoint_every 50")
     yield "wall time", interrupted(program, base, "limit", lambda *_: None, STOPPED_EARLY,
-                                   "-wall_time_limit 0.015")
+                                   "-wall_time_limit 0.002")  # 0.1 s, before any run ends
     yield "finished", finished(program, whole)
     yield "nobody reads", unread(program, base)
 
