@@ -17,8 +17,8 @@ constexpr double fine_beside_pipe = 3.0;            // D from the axis
 constexpr double fine_below_end = 2.0;              // D below the invert's last position
 constexpr double air_above = 1.5;                   // D, room for heave
 constexpr double flip_time_over_fall_time = 0.016;  // of sqrt(D/g): 30 steps or so
-constexpr double pace_time_over_fall_time = 0.1;    // of sqrt(D/g): in which waves go 10 D or so
-constexpr double inertia_length = 0.0025;           // D: then the share is about the error of N_d
+constexpr double pace_time_over_fall_time = 0.5;  // of sqrt(D/g): slow, or speed and reaction swing
+constexpr double inertia_length = 0.0025;         // D: then the share is about the error of N_d
 
 }  // namespace
 
