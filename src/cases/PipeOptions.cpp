@@ -52,8 +52,7 @@ void PipeOptions::declare_pipe(options::OptionSet& options) {
   options.real("inertia_tolerance", inertia_tolerance, {.minimum = 1e-4, .maximum = 10.0},
                {"1",
                 "for -pipe_velocity auto: largest kinetic energy of the soil over the work of the "
-                "reaction on "
-                "D/400, which is about the share that inertia adds to N_d",
+                "reaction on D/400, which is about the share that inertia adds to N_d",
                 "docs/verification/pipe.md"});
   options.real("pipe_end_displacement", end_displacement,
                {.minimum = 0.0, .maximum = 5.0, .open_minimum = true},

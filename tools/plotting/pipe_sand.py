@@ -8,10 +8,14 @@ COLOURS = (style.RED, style.ORANGE, "0.6", style.SKY, style.GREEN, style.PURPLE,
            style.BLACK)
 
 
+def points(row):
+    """u/D and N_d of a row of a table."""
+    return [(float(name.removeprefix("N_d_at_")), float(value)) for name, value in row.items()
+            if name.startswith("N_d_at_")]
+
+
 def curve(row):
-    points = [(float(name.removeprefix("N_d_at_")), float(value)) for name, value in row.items()
-              if name.startswith("N_d_at_")]
-    return zip(*([(0.0, float("nan"))] + points))
+    return zip(*([(0.0, float("nan"))] + points(row)))
 
 
 def draw_panel(axes, rows):

@@ -3,6 +3,7 @@
 import matplotlib.pyplot as plt
 
 from . import style
+from .pipe_sand import points
 
 COLOURS = (style.BLACK, style.BLUE, style.SKY, style.GREEN, style.ORANGE)
 
@@ -22,9 +23,7 @@ def draw_curves(axes, rows):
     paced = [row for row in rows if is_paced(row)]
     for kind, dashes in ((constant, "-"), (paced, "--")):
         for row, colour in zip(kind, COLOURS[-len(kind):]):
-            points = [(float(name.removeprefix("N_d_at_")), float(value))
-                      for name, value in row.items() if name.startswith("N_d_at_")]
-            axes.plot(*zip((0, 0), *points), dashes, color=colour, lw=1.2, label=label(row))
+            axes.plot(*zip((0, 0), *points(row)), dashes, color=colour, lw=1.2, label=label(row))
     axes.set(xlim=(0, 0.3), ylim=(0, None), xlabel="$u/D$", ylabel="$N_d$",
              title=f"$D$ = {rows[0]['diameter_mm']} mm, dense")
     axes.legend(fontsize=7)
@@ -33,10 +32,10 @@ def draw_curves(axes, rows):
 def draw_cost(axes, rows):
     for kind, colour, name in ((False, style.BLUE, "constant velocity"),
                                (True, style.ORANGE, "-pipe_velocity auto")):
-        points = [(float(row["steps_to_0.29"]), 100 * float(row["difference_rms_to_0.29"]))
-                  for row in rows if is_paced(row) == kind
-                  and float(row["difference_rms_to_0.29"]) > 0]
-        axes.plot(*zip(*sorted(points)), "o-", color=colour, label=name)
+        costs = [(float(row["steps_to_0.29"]), 100 * float(row["difference_rms_to_0.29"]))
+                 for row in rows if is_paced(row) == kind
+                 and float(row["difference_rms_to_0.29"]) > 0]
+        axes.plot(*zip(*sorted(costs)), "o-", color=colour, label=name)
     axes.set(xscale="log", yscale="log", xlabel="steps to $u/D$ = 0.29",
              ylabel="rms difference from the slowest, %")
     axes.legend(fontsize=7)

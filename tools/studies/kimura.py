@@ -58,12 +58,6 @@ def curve(job_dir):
             for y_now, force_now in zip(y, force)]
 
 
-def pressure_at(points, settlement):
-    """Mean of q over the 0.01 in s/B around the settlement."""
-    near = [q for s, q in points if abs(s - settlement) <= 0.005]
-    return sum(near) / len(near)
-
-
 def table_row(job, job_dir, options):
     test, base, cells, variant = (job + "_").split("_")[:4]
     points = curve(job_dir)
@@ -74,7 +68,7 @@ def table_row(job, job_dir, options):
            "peak_kPa": f"{peak:.0f}", "s_over_B_at_peak": f"{settlement:.3f}",
            "measured_peak_kPa": measured, "measured_s_over_B": measured_settlement,
            "error_pct": f"{100 * (peak / measured - 1):+.0f}"}
-    row |= {f"q_kPa_at_{s:.2f}": f"{pressure_at(points, s):.0f}" for s in picture.SETTLEMENTS}
+    row |= {f"q_kPa_at_{s:.2f}": f"{rows.mean_near(*zip(*points), s):.0f}" for s in picture.SETTLEMENTS}
     return row | rows.cost(summary) | rows.provenance(options, summary)
 
 

@@ -81,10 +81,8 @@ def savings_jobs():
 
 def resistance_at(job_dir, displacement):
     """Mean of N_d over the 0.01 in u/D around the displacement."""
-    with open(job_dir / "history.csv", encoding="utf-8") as file:
-        near = [float(row["N_d"]) for row in csv.DictReader(file)
-                if abs(float(row["u_over_D"]) - displacement) <= 0.005 + 1e-9]
-    return sum(near) / len(near)
+    u, N_d = (map(float, column(job_dir, name)) for name in ("u_over_D", "N_d"))
+    return rows.mean_near(u, N_d, displacement)
 
 
 def column(job_dir, name):

@@ -3,6 +3,12 @@
 import json
 
 
+def mean_near(places, values, place):
+    """Mean of the values over the 0.01 around a place."""
+    near = [value for at, value in zip(places, values) if abs(at - place) <= 0.005 + 1e-9]
+    return sum(near) / len(near)
+
+
 def read_json(path):
     return json.loads(path.read_text(encoding="utf-8"))
 

@@ -79,12 +79,6 @@ def curves(job_dir, diameter, packing, angle):
     return u, *forces
 
 
-def near(u, values, displacement):
-    """Mean over the 0.01 in u/D around the displacement."""
-    inside = [value for at, value in zip(u, values) if abs(at - displacement) <= 0.005 + 1e-9]
-    return sum(inside) / len(inside)
-
-
 def table_row(job, job_dir, options):
     size, packing, cells, turned = job.split("_")
     summary = rows.read_json(job_dir / "summary.json")
@@ -93,7 +87,7 @@ def table_row(job, job_dir, options):
     peak = max((value, at) for at, value in zip(u, N_d) if at < 0.3)
     row = {"diameter_mm": size.removesuffix("mm"), "packing": packing,
            "cells": cells.removeprefix("cells"), "turned": turned.removeprefix("turned")}
-    row |= {f"N_d_at_{at}": f"{near(u, N_d, at):.4g}" for at in DISPLACEMENTS}
+    row |= {f"N_d_at_{at}": f"{rows.mean_near(u, N_d, at):.4g}" for at in DISPLACEMENTS}
     row |= {"peak": f"{peak[0]:.4g}", "u_over_D_at_peak": f"{peak[1]:.3f}",
             "across_over_along_to_0.3": f"{ratio(u, across, N_d):.3g}",
             "contour_over_impulse_to_0.3": f"{ratio(u, contour, N_d):.4g}"}
