@@ -93,17 +93,6 @@ void set_intervals(const CurveScatter& scatter, const SlopeCurve& curve,
   threshold.N_df_interval = interval(resistances, threshold.N_df, share, widening_of_N_df);
 }
 
-FailureThreshold not_found(double window, std::string reason) {
-  FailureThreshold threshold;
-  threshold.reason = std::move(reason);
-  threshold.window = window;
-  threshold.u_df_over_D = threshold.N_df = none;
-  threshold.u_df_over_D_interval = threshold.N_df_interval = {none, none};
-  threshold.slope_before = threshold.slope_after = threshold.resamples_found = none;
-  threshold.fit = {none, none, none, none, none};
-  return threshold;
-}
-
 std::string small_fall(const SlopeFit& fit, double smallest_fall) {
   return fmt::format("the slope falls from {:.4g} to {:.4g} only, less than {:.0f} %", fit.largest,
                      fit.stable, 100.0 * smallest_fall);
@@ -111,7 +100,7 @@ std::string small_fall(const SlopeFit& fit, double smallest_fall) {
 
 /// The threshold of the fit, yet without intervals.
 FailureThreshold threshold_at(const SlopeFit& fit, const SlopeCurve& curve, double window) {
-  FailureThreshold threshold = not_found(window, "");
+  FailureThreshold threshold = no_threshold(window, "");
   threshold.found = true;
   threshold.fit = fit;
   threshold.u_df_over_D = fit.break_point;
@@ -127,29 +116,41 @@ bool is_positive_somewhere(const SlopeCurve& curve) {
 
 }  // namespace
 
+FailureThreshold no_threshold(double window, std::string reason) {
+  FailureThreshold threshold;
+  threshold.reason = std::move(reason);
+  threshold.window = window;
+  threshold.u_df_over_D = threshold.N_df = none;
+  threshold.u_df_over_D_interval = threshold.N_df_interval = {none, none};
+  threshold.slope_before = threshold.slope_after = threshold.resamples_found = none;
+  threshold.fit = {none, none, none, none, none};
+  return threshold;
+}
+
 FailureThreshold failure_threshold(const SlopeCurve& curve, const ThresholdOptions& options) {
   const double end = curve.u_over_D.empty() ? 0.0 : curve.u_over_D.back();
   const double half_step = curve.u_over_D.empty() ? 0.0 : curve.u_over_D.front();
   const double window = std::min(options.window, end + half_step);
   const SlopeReading rough = read_slope(curve, window);
-  if (!rough.found) return not_found(window, rough.reason);
-  if (!is_positive_somewhere(curve)) return not_found(window, "N_d is nowhere positive");
+  if (!rough.found) return no_threshold(window, rough.reason);
+  if (!is_positive_somewhere(curve)) return no_threshold(window, "N_d is nowhere positive");
 
   const CurveScatter scatter(curve.N_d, resistance_of(rough.fit, curve), step_of(curve),
                              options.tooth_period);
   const SlopeCurve smoother = curve_of_steps(curve, scatter.resistance());
   const SlopeReading read = read_slope(smoother, window);
-  if (!read.found) return not_found(window, read.reason);
+  if (!read.found) return no_threshold(window, read.reason);
   if (read.fit.stable > (1.0 - options.smallest_fall) * read.fit.largest) {
-    return not_found(window, small_fall(read.fit, options.smallest_fall));
+    return no_threshold(window, small_fall(read.fit, options.smallest_fall));
   }
   FailureThreshold threshold = threshold_at(read.fit, smoother, window);
   if (options.resamples <= 0 || !scatter.can_be_judged()) return threshold;
   set_intervals(scatter, smoother, options, threshold);
   if (threshold.resamples_found >= fewest_readable) return threshold;
-  return not_found(window, fmt::format("the scatter of N_d hides it: only {:.0f} % of curves with "
-                                       "such scatter have a break",
-                                       100.0 * threshold.resamples_found));
+  return no_threshold(window,
+                      fmt::format("the scatter of N_d hides it: only {:.0f} % of curves with "
+                                  "such scatter have a break",
+                                  100.0 * threshold.resamples_found));
 }
 
 std::string threshold_csv(const SlopeCurve& curve, std::span<const FailureThreshold> thresholds) {

@@ -94,8 +94,13 @@ void print_summary(const Root& root, const Case& scene, const io::Summary& summa
   for (const char* key : {"scene", "ranks", "cells", "particles", "steps", "particle_updates_per_s",
                           "peak_memory_bytes", "wall_s"})
     if (summary.has(key)) text += fmt::format("  {:<24} {}\n", key, summary.text(key));
-  root.print(text + fmt::format("  {:<24} {}\n", "answer", scene.answer(summary)) +
-             fmt::format("  {:<24} {}\n", "results in", scene.output_directory()));
+  const bool is_withheld = summary.is_withheld();
+  text += fmt::format("  {:<24} {}\n", "answer", is_withheld ? "withheld" : scene.answer(summary));
+  for (const std::string& reason : summary.texts("answer_withheld"))
+    text += fmt::format("  {:<24} {}\n", "contradicted", reason);
+  for (const std::string& warning : summary.texts("warnings"))
+    text += fmt::format("  {:<24} {}\n", "warning", warning);
+  root.print(text + fmt::format("  {:<24} {}\n", "results in", scene.output_directory()));
 }
 
 /// Whether the output directory has the summary of a run with these options. Collective.
@@ -144,6 +149,10 @@ ExitCode finish(Case& scene, const options::OptionSet& options, const Root& root
   summary.set("scene", options.title());
   summary.set("version", std::string(version));
   summary.set("git_hash", std::string(git_hash));
+  for (const std::string& caution : options.cautions()) {
+    root.complain(fmt::format("mpmsolve: warning: {}\n", caution));
+    summary.warn(caution);
+  }
   try {
     scene.run(summary);
   } catch (const NumericalFailure& failure) {
@@ -157,7 +166,7 @@ ExitCode finish(Case& scene, const options::OptionSet& options, const Root& root
   summary.set("wall_s", std::chrono::duration<double>(Clock::now() - begin).count());
   summary.write(scene.output_directory());
   print_summary(root, scene, summary);
-  return ExitCode::finished;
+  return summary.is_withheld() ? ExitCode::answer_withheld : ExitCode::finished;
 }
 
 ExitCode run_scene(const options::CommandLine& line, const Root& root, Clock::time_point begin) {

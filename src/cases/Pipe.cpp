@@ -9,7 +9,7 @@
 #include "mpm/analysis/FailureThreshold.hpp"
 #include "mpm/cases/GeostaticState.hpp"
 #include "mpm/cases/GridCase.hpp"
-#include "mpm/cases/PipeOptions.hpp"
+#include "mpm/cases/PipeEvidence.hpp"
 #include "mpm/cases/ReactionAgreement.hpp"
 #include "mpm/cases/RigidContactOf.hpp"
 #include "mpm/core/Errors.hpp"
@@ -29,31 +29,12 @@ constexpr double field_spacing = 0.1;   // u/D between outputs of particles and 
 constexpr double early_field = 0.06;    // u/D, where the wedge under the pipe has formed
 constexpr double band_begin = 0.15;     // D, distance of the contour from the pipe
 constexpr double band_end = 0.85;       // D
-constexpr double depth_in_pipe = 0.02;  // of its radius, from which on a particle is in it
+constexpr double last_compared = 0.9;   // u/D, of the two reactions
 constexpr std::size_t u_over_D_column = 2, N_d_column = 4, N_d_contour_column = 8,
-                      in_pipe_column = 10, inertia_column = 12;
+                      inertia_column = 10, evidence_column = 11,
+                      in_pipe_column = evidence_column + 1;
 
 using Now = run::Moment<2>;
-
-/// Particles of all ranks at the sand law's pressure floor or cap of the state parameter.
-double particles_at_limits(const particles::Particles<2>& particles) {
-  const auto view = particles.view();
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < particles.materials().size(); ++k)
-    count +=
-        particles.materials()[k]->count_at_limits(particles.batch_of(view, static_cast<int>(k)));
-  return petsc::sum(static_cast<double>(count));
-}
-
-/// Particles of all ranks deeper in the pipe than that share of its radius.
-double particles_in_pipe(const particles::Particles<2>& particles,
-                         const contact::RigidBody<2>& pipe, double radius) {
-  const auto view = particles.view();
-  int count = 0;
-  for (int p = 0; p < view.count; ++p)
-    if (pipe.locate(view.position_of(p)).distance < -depth_in_pipe * radius) ++count;
-  return petsc::sum(static_cast<double>(count));
-}
 
 /// What is known when the soil has come to rest around the pipe.
 class AtRestAnswers : public run::Observer<2> {
@@ -102,6 +83,7 @@ class Pipe : public GridCase<2> {
   run::Numbers field_numbers() const;
   void report_rest(io::Summary& summary) const;
   void report_model(io::Summary& summary) const;
+  void report_agreement(io::Summary& summary) const;
   double inertia_at(double displacement_over_D) const;
   void report_threshold(io::Summary& summary) const;
 
@@ -210,11 +192,20 @@ run::Stage<2> Pipe::push() const {
 }
 
 run::HistoryTable<2> Pipe::history() {
+  std::vector<std::string> columns{"time_s",
+                                   "displacement_m",
+                                   "u_over_D",
+                                   "reaction_N_per_m",
+                                   "N_d",
+                                   "reaction_contour_N_per_m",
+                                   "kinetic_energy_J_per_m",
+                                   "out_of_balance",
+                                   "N_d_contour",
+                                   "velocity_m_per_s",
+                                   "inertia"};
+  std::ranges::copy(PipeEvidence::columns(), std::back_inserter(columns));
   return {.path = path("history.csv"),
-          .columns = {"time_s", "displacement_m", "u_over_D", "reaction_N_per_m", "N_d",
-                      "reaction_contour_N_per_m", "kinetic_energy_J_per_m", "out_of_balance",
-                      "N_d_contour", "particles_at_limits", "particles_in_pipe", "velocity_m_per_s",
-                      "inertia"},
+          .columns = std::move(columns),
           .row = [this](const Now& now) { return row(now); },
           .cadence = run::Cadence<2>(row_spacing, [this](const Now&) { return u_over_D(); })
                          .or_every(m_pipe.run.history_every),
@@ -230,19 +221,19 @@ run::HistoryTable<2> Pipe::history() {
 std::vector<double> Pipe::row(const Now& now) {
   const double reaction = whole(m_reaction->take_by_impulse().force[1]);
   const double contour = whole(m_reaction->take_by_contour().force[1]);
-  return {now.clock.time_in_stage,
-          displacement(),
-          u_over_D(),
-          reaction,
-          reaction / m_pipe.reference_force(),
-          contour,
-          whole(now.simulation.kinetic_energy()),
-          now.simulation.out_of_balance(),
-          contour / m_pipe.reference_force(),
-          particles_at_limits(now.simulation.particles()),
-          particles_in_pipe(now.simulation.particles(), *m_body, m_pipe.radius()),
-          -m_body->velocity[1],
-          m_inertia->share()};
+  std::vector<double> row{now.clock.time_in_stage,
+                          displacement(),
+                          u_over_D(),
+                          reaction,
+                          reaction / m_pipe.reference_force(),
+                          contour,
+                          whole(now.simulation.kinetic_energy()),
+                          now.simulation.out_of_balance(),
+                          contour / m_pipe.reference_force(),
+                          -m_body->velocity[1],
+                          m_inertia->share()};
+  std::ranges::copy(PipeEvidence(m_pipe).row(now, *m_body, reaction), std::back_inserter(row));
+  return row;
 }
 
 run::Numbers Pipe::field_numbers() const {
@@ -255,10 +246,7 @@ run::Numbers Pipe::field_numbers() const {
 void Pipe::evaluate(run::Run<2>&, io::Summary& summary) {
   report_rest(summary);
   report_model(summary);
-  report_agreement(
-      *m_history,
-      {.place = u_over_D_column, .by_impulse = N_d_column, .by_contour = N_d_contour_column},
-      summary);
+  report_agreement(summary);
   if (!m_history->rows().empty())
     report_threshold(summary);
   else
@@ -273,6 +261,14 @@ void Pipe::report_rest(io::Summary& summary) const {
   summary.set("geostatic_N_d_expected", std::numbers::pi / (4.0 * m_pipe.embedment_ratio));
   summary.set("geostatic_vertical_stress_error_rms", m_rest->stress.vertical_rms);
   summary.set("geostatic_K0_error_rms", m_rest->stress.K0_rms);
+}
+
+void Pipe::report_agreement(io::Summary& summary) const {
+  const ReactionAgreement reactions = compare_reactions(
+      *m_history, {u_over_D_column, N_d_column, N_d_contour_column}, last_compared);
+  if (std::isnan(reactions.rms)) return;
+  summary.set("reaction_difference_rms", reactions.rms);
+  summary.set("reaction_difference_max", reactions.largest);
 }
 
 void Pipe::report_model(io::Summary& summary) const {
@@ -303,14 +299,20 @@ void Pipe::report_threshold(io::Summary& summary) const {
   const analysis::SlopeCurve curve =
       analysis::slope_curve(m_history->column(u_over_D_column), m_history->column(N_d_column));
   const double tooth_period = m_pipe.cell() / m_pipe.diameter;  // of contact passing grid lines
-  const std::vector<analysis::FailureThreshold> thresholds{
+  std::vector<analysis::FailureThreshold> thresholds{
       analysis::failure_threshold(curve, {.window = 0.75, .tooth_period = tooth_period}),
       analysis::failure_threshold(curve, {.window = 0.9, .tooth_period = tooth_period})};
+  summary.set("particles_in_pipe_most", std::ranges::max(m_history->column(in_pipe_column)));
+  hold_evidence(m_pipe, *m_history,
+                {u_over_D_column, N_d_column, N_d_contour_column, inertia_column, evidence_column},
+                thresholds[0].u_df_over_D, summary);
+  if (summary.is_withheld())
+    for (analysis::FailureThreshold& threshold : thresholds)
+      threshold = analysis::no_threshold(threshold.window, "withheld: see answer_withheld");
   io::write_text_file(path("threshold.csv"), analysis::threshold_csv(curve, thresholds));
   add(summary, analysis::threshold_summary(thresholds[0]));
   add(summary, analysis::threshold_summary(thresholds[1], "_to_0.9"));
   summary.set("threshold_reason", thresholds[0].reason);
-  summary.set("particles_in_pipe_most", std::ranges::max(m_history->column(in_pipe_column)));
   summary.set("inertia_at_threshold", inertia_at(thresholds[0].u_df_over_D));
   add(summary, analysis::bearing_summary({.diameter = m_pipe.diameter,
                                           .embedment_ratio = m_pipe.embedment_ratio,

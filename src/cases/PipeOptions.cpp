@@ -7,22 +7,26 @@
 #include <numbers>
 
 #include "mpm/cases/ContactDetection.hpp"
+#include "mpm/cases/PipeEvidence.hpp"
 #include "mpm/core/Errors.hpp"
 
 namespace mpm::cases {
 namespace {
 
-constexpr double largest_grid = 1e9;                // cells
-constexpr double fine_beside_pipe = 3.0;            // D from the axis
-constexpr double fine_below_end = 2.0;              // D below the invert's last position
-constexpr double air_above = 1.5;                   // D, room for heave
-constexpr double flip_time_over_fall_time = 0.016;  // of sqrt(D/g): 30 steps or so
+constexpr double largest_grid = 1e9;                     // cells
+constexpr double fine_beside_pipe = 3.0;                 // D from the axis
+constexpr double fine_below_end = 2.0;                   // D below the invert's last position
+constexpr double nearest_bottom = 1.0;                   // D below the invert's last position
+constexpr double deep_enough = 8.0, wide_enough = 10.0;  // D: the bottom adds 14 % and less
+constexpr double fewest_grains = 3.0;                    // a cell
+constexpr double air_above = 1.5;                        // D, room for heave
+constexpr double flip_time_over_fall_time = 0.016;       // of sqrt(D/g): 30 steps or so
 constexpr double pace_time_over_fall_time = 0.5;  // of sqrt(D/g): slow, or speed and reaction swing
 constexpr double inertia_length = 0.0025;         // D: then the share is about the error of N_d
 
 }  // namespace
 
-PipeOptions::PipeOptions() {
+PipeOptions::PipeOptions() : checks(pipe_checks()) {
   run.output_dir = "out/pipe";
   run.averages_volume = true;
   run.default_flip_time = fmt::format("{} sqrt(D/g)", flip_time_over_fall_time);
@@ -35,17 +39,19 @@ void PipeOptions::declare(options::OptionSet& options) {
   declare_grid(options);
   declare_contact(options);
   declare_geostatic(options);
+  checks.declare(options);
   sand.declare(options);
 }
 
 void PipeOptions::declare_pipe(options::OptionSet& options) {
   options.section("Pipe");
-  options.real("pipe_diameter", diameter, options::positive(),
+  options.real("pipe_diameter", diameter, options::between(1e-3, 20.0),
                {"m", "outer diameter D", "paper, section 4.1"});
   options.real(
       "pipe_embedment_ratio", embedment_ratio, {.minimum = 1.0, .maximum = 100.0},
       {"1", "depth of the springline below the surface over D, H/D", "paper, section 4.1"});
-  options.optional_real("pipe_velocity", velocity, options::positive(),
+  options.optional_real("pipe_velocity", velocity,
+                        {.minimum = 0.0, .maximum = 100.0, .open_minimum = true},
                         "as fast as -inertia_tolerance allows",
                         {"m/s", "downward velocity after the ramp",
                          "docs/verification/pipe.md; the paper uses 0.004"});
@@ -54,11 +60,13 @@ void PipeOptions::declare_pipe(options::OptionSet& options) {
                 "for -pipe_velocity auto: largest kinetic energy of the soil over the work of the "
                 "reaction on D/400, which is about the share that inertia adds to N_d",
                 "docs/verification/pipe.md"});
+  options.effective([this] { return !velocity; }, "only with -pipe_velocity auto");
   options.real("pipe_end_displacement", end_displacement,
                {.minimum = 0.0, .maximum = 5.0, .open_minimum = true},
                {"D", "displacement at which the run ends, u/D", "paper, section 4.1"});
   options.real("pipe_ramp_distance", ramp_distance, options::between(0.0, 1.0),
                {"D", "displacement over which a given velocity rises as (1 - cos)/2", "chosen"});
+  options.effective([this] { return velocity.has_value(); }, "only with a given -pipe_velocity");
 }
 
 std::shared_ptr<contact::PacedMotion<2>> PipeOptions::paced_motion() const {
@@ -104,6 +112,36 @@ void PipeOptions::declare_grid(options::OptionSet& options) {
        "model half of the soil or all of it; auto takes half, since a pipe that moves "
        "straight down is symmetric",
        "paper, section 3.3"});
+  check_domain(options);
+}
+
+/// Of walls that are too near. The figures are those of docs/checks.md.
+void PipeOptions::check_domain(options::OptionSet& options) {
+  options.rule([this, &options] {
+    if (domain_depth_below - end_displacement >= nearest_bottom) return;
+    throw options::bad_input({options.given("pipe_domain_depth_below"),
+                              fmt::format("leaves {:.3g} D below the pipe at the end of its way",
+                                          domain_depth_below - end_displacement),
+                              fmt::format("at least -pipe_end_displacement {} and {} D more",
+                                          end_displacement, nearest_bottom),
+                              "make the domain deeper or the way shorter"});
+  });
+  options.caution([this] {
+    if (domain_depth_below >= deep_enough && domain_width >= wide_enough) return std::string();
+    return fmt::format(
+        "-pipe_domain_width {} and -pipe_domain_depth_below {}: the walls add to the resistance; "
+        "at u/D = 0.05 a half width of 7 D makes it 1.3 times that of 20 D x 14 D, a depth of 5 D "
+        "1.35 times and 2 D x 2 D 4 times",
+        domain_width, domain_depth_below);
+  });
+  options.caution([this] {
+    const double grains = cell() / sand.parameters().d50;
+    if (grains >= fewest_grains) return std::string();
+    return fmt::format(
+        "-pipe_cells_per_diameter {}: a cell is {:.2g} grains wide (-sand_d50 {} m), and no soil "
+        "is a continuum below some {}",
+        cells_per_diameter, grains, sand.parameters().d50, fewest_grains);
+  });
 }
 
 void PipeOptions::declare_contact(options::OptionSet& options) {
@@ -113,6 +151,8 @@ void PipeOptions::declare_contact(options::OptionSet& options) {
                  {{"surface", contact::Normal::surface}, {"gradient", contact::Normal::gradient}},
                  {"", "normal of the pipe itself, or of its nodal mass (gradient, the paper)",
                   "docs/model.md"});
+  options.effective([this] { return !contact::detection_kinds()[detection].is_by_springs(); },
+                    "-contact_detection spring has the normal of the pipe");
   options.optional_real("contact_friction", friction, {.minimum = 0.0, .maximum = 10.0},
                         "tan(0.6 phi_c)",
                         {"1", "Coulomb coefficient between sand and pipe", "paper, section 3.3"});

@@ -35,6 +35,17 @@ const Summary::Value* Summary::find(const std::string& key) const {
   return entry != m_values.end() ? &entry->second : nullptr;
 }
 
+std::vector<std::string> Summary::texts(const std::string& key) const {
+  const Value* value = find(key);
+  return value != nullptr ? std::get<std::vector<std::string>>(*value) : std::vector<std::string>{};
+}
+
+void Summary::append(const std::string& key, const std::string& text) {
+  std::vector<std::string> all = texts(key);
+  all.push_back(text);
+  set(key, std::move(all));
+}
+
 double Summary::number(const std::string& key) const {
   const Value* value = find(key);
   if (value == nullptr || value->index() >= 4)  // texts and lists

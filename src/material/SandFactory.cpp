@@ -10,6 +10,11 @@
 #include "mpm/options/OptionSet.hpp"
 
 namespace mpm::material {
+namespace {
+
+constexpr double loosest = -0.5, densest = 1.5;  // relative densities that are taken at all
+
+}  // namespace
 
 using options::between;
 using options::not_negative;
@@ -27,6 +32,7 @@ void SandFactory::declare(options::OptionSet& set) {
   declare_cohesion(set);
   declare_numerics(set);
   set.rule([this] { check_together(); });
+  set.caution([this] { return odd_packing(); });
 }
 
 /// The scene's packing stays: by its void ratio, or by relative density in another sand.
@@ -168,6 +174,28 @@ void SandFactory::check_together() {
   without_effect("sand_bulk_xi", m_sand.bulk == BulkModulus::power, "power");
   without_effect("sand_poisson", m_sand.bulk == BulkModulus::poisson, "poisson");
   validate(m_sand, m_prefix);
+  check_packing();
+}
+
+/// What experiments have never seen.
+void SandFactory::check_packing() const {
+  const double density = relative_density(m_sand);
+  if (density >= loosest && density <= densest) return;
+  throw options::bad_input(
+      {m_options->given(m_prefix + "sand_void_ratio"),
+       fmt::format("is a relative density of {:.3g}", density),
+       fmt::format("{} to {}, void ratios of {:.4g} to {:.4g}", loosest, densest,
+                   void_ratio_at(densest, m_sand), void_ratio_at(loosest, m_sand)),
+       "correct it, or -sand_e_min and -sand_e_max"});
+}
+
+std::string SandFactory::odd_packing() const {
+  const double density = relative_density(m_sand);
+  if (density >= 0.0 && density <= 1.0) return {};
+  return fmt::format(
+      "-{}sand_void_ratio {} is a relative density of {:.3g}: the sand lies between {} and {} "
+      "(-sand_e_min, -sand_e_max), and the law was not measured beyond",
+      m_prefix, m_sand.void_ratio, density, m_sand.e_min, m_sand.e_max);
 }
 
 /// The void ratio from the relative density where that is given; the command line's word counts

@@ -78,6 +78,8 @@ void RunOptions::declare_step(options::OptionSet& options) {
        "time in which particle velocities turn into the grid's: keeps exp(-dt/tau) per step, 0 "
        "is pure FLIP; for flip only",
        "docs/model.md"});
+  options.effective([this] { return transfer == solver::Transfer::flip; },
+                    "only with -transfer flip");
   options.flag("average_volume", averages_volume,
                {"",
                 "particles take the mean volume change of their surroundings, against scatter of "
@@ -99,6 +101,13 @@ void RunOptions::declare_step(options::OptionSet& options) {
       default_courant(largest_courant),
       {"1", "time step as a share of h/(c + |v|), h the smallest knot span near a particle",
        "docs/methods.md; the paper uses 0.3"});
+  options.caution([this] {
+    if (courant() <= stable_courant()) return std::string();
+    return fmt::format(
+        "-courant {} is above {}, the limit of this basis, update and transfer in the worst "
+        "places of particles: the run may blow up",
+        courant(), stable_courant());
+  });
   options.integer("particles_per_cell_direction", particles_per_cell_direction, {1, 16},
                   {"1", "particles per cell and direction", "paper, section 3.3"});
 }
@@ -140,6 +149,12 @@ void RunOptions::declare_outputs(options::OptionSet& options) {
       {"steps", "steps between outputs of particles and grid; 0 leaves it to the scene", "chosen"});
   options.real_list("particle_output_times", particle_output_times, options::not_negative(),
                     {"s", "times of outputs of particles and grid, in addition", "chosen"});
+  options.effective(
+      [this] {
+        return !end_time || std::ranges::all_of(particle_output_times,
+                                                [this](double t) { return t <= *end_time; });
+      },
+      "not all of it is before -end_time");
   options.integer(
       "history_every", history_every, {0, 1'000'000'000},
       {"steps", "steps between rows of history.csv; 0 leaves it to the scene", "chosen"});

@@ -52,6 +52,9 @@ struct FailureThreshold {
 /// without resamples. Thresholds below u/D = 0.05 cannot be resolved with steps of 0.01.
 FailureThreshold failure_threshold(const SlopeCurve& curve, const ThresholdOptions& options = {});
 
+/// That there is none over this window, and why.
+FailureThreshold no_threshold(double window, std::string reason);
+
 /// Content of threshold.csv: u_over_D, N_d, slope and, for each threshold, the fitted slope as
 /// fit_to_<window>; "nan" where there is none.
 std::string threshold_csv(const SlopeCurve& curve, std::span<const FailureThreshold> thresholds);

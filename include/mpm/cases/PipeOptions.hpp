@@ -8,6 +8,7 @@
 #include "mpm/contact/RigidContact.hpp"
 #include "mpm/material/SandFactory.hpp"
 #include "mpm/particles/Seeding.hpp"
+#include "mpm/run/Checks.hpp"
 #include "mpm/run/Inertia.hpp"
 #include "mpm/run/RunOptions.hpp"
 #include "mpm/solver/Simulation.hpp"
@@ -22,6 +23,7 @@ enum class Geostatic { prescribed };
 struct PipeOptions {
   run::RunOptions run;
   material::SandFactory sand;
+  run::Checks checks;
 
   double diameter = 0.0375;        ///< m
   double embedment_ratio = 3.0;    ///< H/D
@@ -78,6 +80,7 @@ struct PipeOptions {
   particles::Filling<2> filling(bool graded) const;
   void declare_pipe(options::OptionSet& options);
   void declare_grid(options::OptionSet& options);
+  void check_domain(options::OptionSet& options);
   void declare_contact(options::OptionSet& options);
   void declare_geostatic(options::OptionSet& options);
 };

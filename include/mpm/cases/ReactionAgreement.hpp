@@ -2,7 +2,6 @@
 
 #include <cstddef>
 
-#include "mpm/io/Summary.hpp"
 #include "mpm/run/History.hpp"
 
 namespace mpm::cases {
@@ -13,9 +12,15 @@ struct ReactionColumns {
   std::size_t by_impulse, by_contour;
 };
 
-/// Compares the two reactions over 0.05 <= u/D <= 0.9, on means of four rows: sets
-/// reaction_difference_rms and _max, or nothing where there are no four rows.
-void report_agreement(const run::History<2>& history, const ReactionColumns& columns,
-                      io::Summary& summary);
+/// Relative difference of the two reactions, on means of four rows; not a number where there are
+/// none.
+struct ReactionAgreement {
+  double rms;
+  double largest;
+};
+
+/// Over 0.05 <= u/D <= last_place.
+ReactionAgreement compare_reactions(const run::History<2>& history, const ReactionColumns& columns,
+                                    double last_place);
 
 }  // namespace mpm::cases

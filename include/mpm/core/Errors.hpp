@@ -11,6 +11,7 @@ enum class ExitCode : int {
   finished = 0,
   bad_input = 2,
   numerical_failure = 3,
+  answer_withheld = 4,  ///< finished, but the run's own checks contradict its answer
   stopped_early = 75
 };
 

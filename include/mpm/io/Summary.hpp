@@ -15,8 +15,8 @@ namespace mpm::io {
 /// Vocabulary.hpp), in the order in which they were first set.
 class Summary {
  public:
-  using Value =
-      std::variant<double, std::int64_t, std::uint64_t, bool, std::string, std::vector<double>>;
+  using Value = std::variant<double, std::int64_t, std::uint64_t, bool, std::string,
+                             std::vector<double>, std::vector<std::string>>;
 
   /// Throws std::logic_error for a key that the vocabulary does not have.
   void set(const std::string& key, Value value);
@@ -27,6 +27,15 @@ class Summary {
   /// Adds every option as "option_NAME", numbers as numbers.
   void add_options(const options::OptionSet& options);
 
+  /// Says beside the answer what makes it doubtful; `warnings` has all of them.
+  void warn(const std::string& sentence) { append("warnings", sentence); }
+  /// Says why the run has no answer; `answer_withheld` has all reasons. Whoever sets the answer
+  /// leaves it out.
+  void withhold(const std::string& reason) { append("answer_withheld", reason); }
+  bool is_withheld() const { return !texts("answer_withheld").empty(); }
+  /// A list of texts; empty where there is none.
+  std::vector<std::string> texts(const std::string& key) const;
+
   /// Readable text of one entry; "" if there is none.
   std::string text(const std::string& key) const;
   /// All entries as a JSON object; a number that is none becomes null.
@@ -36,6 +45,7 @@ class Summary {
              const petsc::Communicator& communicator = petsc::world()) const;
 
  private:
+  void append(const std::string& key, const std::string& text);
   const Value* find(const std::string& key) const;
 
   std::vector<std::pair<std::string, Value>> m_values;

@@ -31,6 +31,8 @@ class SandFactory : public MaterialFactory {
 
   void take(const NamedSand& sand);
   void check_together();
+  void check_packing() const;
+  std::string odd_packing() const;
   void set_packing();
 
   const options::OptionSet* m_options = nullptr;

@@ -88,6 +88,11 @@ class OptionSet {
               std::function<void(std::size_t)> apply, About about);
   /// Looks at the options together after `assign` has set them; throws BadInput.
   void rule(std::function<void()> check);
+  /// Says what may run but is doubtful together, in one sentence, or nothing: see cautions().
+  void caution(std::function<std::string()> look);
+  /// The option declared last has an effect only where that holds; `only` says where ("only with
+  /// -transfer flip"). A caution where it is changed without.
+  void effective(std::function<bool()> holds, std::string only);
 
   /// Parses and checks what was given. Throws BadInput that names the option, the value, what is
   /// allowed, and for an unknown name the nearest declared one.
@@ -100,6 +105,9 @@ class OptionSet {
   /// Present value and where it came from ("default" when not given), to refuse it with
   /// `bad_input`.
   Given given(std::string_view name) const;
+
+  /// What is doubtful about the values that `assign` has set.
+  std::vector<std::string> cautions() const;
 
   /// Aligned plain text for -help.
   std::string help() const;
@@ -153,6 +161,7 @@ class OptionSet {
   std::string m_prefix;
   std::vector<Option> m_options;
   std::vector<std::function<void()>> m_rules;
+  std::vector<std::function<std::string()>> m_cautions;
 };
 
 template <class Enum>

@@ -1,0 +1,202 @@
+#include "mpm/cases/PipeEvidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "mpm/cases/ReactionAgreement.hpp"
+#include "mpm/petsc/Session.hpp"
+
+namespace mpm::cases {
+namespace {
+
+constexpr double depth_in_pipe = 0.02;  // of its radius, from which on a particle is in it
+constexpr double strip_width = 0.5;     // D, along a wall
+constexpr double first_place = 0.05;    // u/D; before it reactions are small and waves are not
+
+/// Particles of all ranks at their law's pressure floor or cap of the state parameter.
+double particles_at_limits(const particles::Particles<2>& particles) {
+  const auto view = particles.view();
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < particles.materials().size(); ++k)
+    count +=
+        particles.materials()[k]->count_at_limits(particles.batch_of(view, static_cast<int>(k)));
+  return petsc::sum(static_cast<double>(count));
+}
+
+/// What transfers between particles and grid have lost of the work of the pipe.
+double energy_residual(const solver::LedgerReport<2>& ledger) {
+  return std::abs(ledger.kinetic_residual) / std::abs(ledger.work_of_bodies.value_or(0.0));
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+double largest(const std::vector<double>& values) {
+  return *std::ranges::max_element(values);
+}
+
+double last(const std::vector<double>& values) {
+  return values.back();
+}
+
+}  // namespace
+
+std::vector<run::Check> pipe_checks() {
+  return {
+      {.name = "reactions",
+       .limits = {0.05, 0.2},
+       .sentence = "rms difference of the reactions by contact and by the momentum of the soil "
+                   "around the pipe",
+       .remedy = "a slower push, a larger domain or more cells may help"},
+      {.name = "energy",
+       .limits = {0.15, 0.4},
+       .sentence = "energy lost in transfers between particles and grid over the work of the pipe",
+       .remedy = "a longer -flip_time or a slower push may help"},
+      {.name = "inertia",
+       .limits = {0.1, 0.5},
+       .sentence = "mean kinetic energy over the work of the reaction on D/400, about what inertia "
+                   "adds to N_d",
+       .remedy = "a smaller -inertia_tolerance or -pipe_velocity helps"},
+      {.name = "particles_in_pipe",
+       .limits = {0.0, 0.01},
+       .sentence = "area of the particles deeper in the pipe than 2 % of its radius over that of "
+                   "the pipe",
+       .remedy = "-contact_detection spring or a slower push helps"},
+      {.name = "side_wall",
+       .limits = {0.05, 0.05},
+       .sentence = "largest deviatoric strain beside the side wall, which bands must not reach",
+       .remedy = "a larger -pipe_domain_width helps"},
+      {.name = "bottom",
+       .limits = {0.12, 0.25},
+       .sentence = "rise of the pressure on the bottom below the pipe over reaction/D; about half "
+                   "of what the bottom adds to the stiffness",
+       .remedy = "a larger -pipe_domain_depth_below helps"},
+      {.name = "limits_of_law",
+       .limits = {0.05, 0.2},
+       .sentence = "share of the particles at the law's pressure floor or cap",
+       .remedy = "these have no strength of their own: see -sand_pressure_floor, -sand_psi_cap"}};
+}
+
+std::vector<std::string> PipeEvidence::columns() {
+  return {"particles_at_limits", "particles_in_pipe", "strain_at_side", "bottom_pressure_share",
+          "energy_residual_share"};
+}
+
+std::vector<double> PipeEvidence::row(const run::Moment<2>& now, const contact::RigidBody<2>& body,
+                                      double reaction) const {
+  // One look at the particles at a time: the swarm lends its columns once.
+  const double residual = energy_residual(now.simulation.ledger());
+  const double at_limits = particles_at_limits(now.simulation.particles());
+  const auto view = now.simulation.particles().view();
+  return {at_limits, particles_in_pipe(view, body), strain_at_side(view),
+          rise_at_bottom(view) * m_pipe.diameter / reaction, residual};
+}
+
+double PipeEvidence::particles_in_pipe(const particles::ParticleView<2>& view,
+                                       const contact::RigidBody<2>& body) const {
+  int count = 0;
+  for (int p = 0; p < view.count; ++p)
+    if (body.locate(view.position_of(p)).distance < -depth_in_pipe * m_pipe.radius()) ++count;
+  return petsc::sum(static_cast<double>(count));
+}
+
+/// Not thinner than the widest cells.
+double PipeEvidence::strip() const {
+  return std::max(strip_width * m_pipe.diameter, m_pipe.far_cell_ratio * m_pipe.cell());
+}
+
+double PipeEvidence::strain_at_side(const particles::ParticleView<2>& view) const {
+  const double begin = m_pipe.domain_width * m_pipe.diameter - strip();
+  double strain = 0.0;
+  for (int p = 0; p < view.count; ++p)
+    if (std::abs(view.position[0][p]) > begin) strain = std::max(strain, view.deviatoric_strain[p]);
+  return petsc::maximum(strain);
+}
+
+/// Mean over the pipe's width of the vertical pressure beyond the weight of the soil, Pa.
+double PipeEvidence::rise_at_bottom(const particles::ParticleView<2>& view) const {
+  const double bottom =
+      -(m_pipe.depth() + m_pipe.radius() + m_pipe.domain_depth_below * m_pipe.diameter);
+  std::vector<double> rise_and_count{0.0, 0.0};
+  for (int p = 0; p < view.count; ++p) {
+    const double x = view.position[0][p], y = view.position[1][p];
+    if (std::abs(x) > m_pipe.radius() || y > bottom + strip()) continue;
+    rise_and_count[0] += -view.stress[1][p] + m_pipe.unit_weight() * y;
+    rise_and_count[1] += 1.0;
+  }
+  petsc::world().sum(rise_and_count);
+  return rise_and_count[0] / rise_and_count[1];
+}
+
+namespace {
+
+/// Holds columns of a history against checks.
+class Holder {
+ public:
+  Holder(const run::Checks& checks, const run::History<2>& history, std::size_t place,
+         double place_of_answer, io::Summary& summary)
+      : m_checks(checks),
+        m_history(history),
+        m_place(place),
+        m_place_of_answer(place_of_answer),
+        m_summary(summary) {}
+
+  template <class Measure>
+  void hold(const char* check, std::size_t column, Measure measure, double factor = 1.0) const {
+    const auto end = std::numeric_limits<double>::max();
+    m_checks.hold(check,
+                  {factor * measure(values(column, m_place_of_answer)),
+                   factor * measure(values(column, end))},
+                  m_summary);
+  }
+
+ private:
+  /// From the first place on that is judged, and at least the last one.
+  std::vector<double> values(std::size_t column, double last_place) const {
+    std::vector<double> all;
+    for (const auto& row : m_history.rows())
+      if (row[m_place] >= first_place && row[m_place] <= last_place) all.push_back(row[column]);
+    if (all.empty()) all.push_back(m_history.last(column));
+    return all;
+  }
+
+  const run::Checks& m_checks;
+  const run::History<2>& m_history;
+  std::size_t m_place;
+  double m_place_of_answer;
+  io::Summary& m_summary;
+};
+
+}  // namespace
+
+void hold_evidence(const PipeOptions& pipe, const run::History<2>& history,
+                   const PipeColumns& columns, double u_df_over_D, io::Summary& summary) {
+  const double end = history.last(columns.u_over_D);
+  const double answer = std::isnan(u_df_over_D) ? end : u_df_over_D;
+  const ReactionColumns reactions{columns.u_over_D, columns.N_d, columns.N_d_contour};
+  const auto differ = [&](double to) { return compare_reactions(history, reactions, to).rms; };
+  if (end > 2.0 * first_place)
+    pipe.checks.hold("reactions", {differ(answer), differ(end)}, summary);
+
+  const double spacing =
+      pipe.cell() / static_cast<double>(
+                        std::max(pipe.particles_near_pipe, pipe.run.particles_per_cell_direction));
+  const double modelled = pipe.is_half() ? 0.5 : 1.0;
+  const double area_share =
+      spacing * spacing / (modelled * std::numbers::pi * pipe.radius() * pipe.radius());
+  const Holder holder(pipe.checks, history, columns.u_over_D, answer, summary);
+  const std::size_t first = columns.first_of_evidence;
+  holder.hold("inertia", columns.inertia, mean);
+  holder.hold("limits_of_law", first, largest, 1.0 / summary.number("particles"));
+  holder.hold("particles_in_pipe", first + 1, largest, area_share);
+  holder.hold("side_wall", first + 2, largest);
+  holder.hold("bottom", first + 3, mean);
+  holder.hold("energy", first + 4, last);
+}
+
+}  // namespace mpm::cases
