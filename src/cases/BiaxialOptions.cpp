@@ -4,12 +4,19 @@
 
 #include <cmath>
 
+#include "mpm/cases/Evidence.hpp"
 #include "mpm/core/Errors.hpp"
 #include "mpm/particles/SurfacePieces.hpp"
 
 namespace mpm::cases {
 
-BiaxialOptions::BiaxialOptions() {
+BiaxialOptions::BiaxialOptions()
+    : checks({{.name = "reactions",
+               .limits = {0.05, 0.2},
+               .sentence = "rms difference of the plate's force by contact and by the momentum of "
+                           "the soil",
+               .remedy = "a smaller -biaxial_velocity may help"},
+              limits_of_law()}) {
   run.output_dir = "out/biaxial";
   run.largest_courant = 0.9;
   run.flip_time =
@@ -23,6 +30,7 @@ void BiaxialOptions::declare(options::OptionSet& options) {
   options.section("Biaxial");
   declare_specimen(options);
   declare_loading(options);
+  checks.declare(options);
   sand.declare(options);
 }
 

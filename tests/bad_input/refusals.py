@@ -181,6 +181,13 @@ CASES = [
     (custom(38, "-dimension", "1", "-gravity_angle", "10"), ["-gravity_angle 10", "one direction"]),
     (custom(35, "-region_soil_stress", "1,2,3"), ["-region_soil_stress", "3 numbers", "4"]),
     (custom(36, "-body_plate_contour", "0.2,0.1"), ["-body_plate_contour", "nearer"]),
+    # what makes no sense together
+    (["-scene", "pipe", "-pipe_diameter", "37.5"], ["-pipe_diameter 37.5", "0.001 to 20", "in m"]),
+    (["-scene", "pipe", "-pipe_diameter", "1e-12"], ["-pipe_diameter 1e-12"]),
+    (["-scene", "pipe", "-pipe_domain_depth_below", "2", "-pipe_end_displacement", "1.5"],
+     ["-pipe_domain_depth_below 2", "0.5 D below", "-pipe_end_displacement 1.5", "deeper"]),
+    (["-scene", "pipe", "-sand_void_ratio", "0.3"], ["-sand_void_ratio 0.3", "relative density"]),
+    (["-scene", "pipe", "-check_reactions", "0.3,0.1"], ["-check_reactions", "0.3,0.1", "rising"]),
     # what a run goes on from: checkpoints that are of no use are in tests/parallel/checkpoint_test.cpp
     (["-scene", "mms1d", "-restart", "FILES/none.h5"], ["-restart", "none.h5", "No such file"]),
     (["-scene", "mms1d", "-restart", "FILES/plain.opts"], ["-restart", "plain.opts", "no HDF5"]),

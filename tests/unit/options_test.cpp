@@ -772,6 +772,41 @@ TEST(OptionSet, pages_show_an_example_of_what_a_list_names) {
                                              "pump_NAME_voltage"}));
 }
 
+/// A valve that has a spring in one kind only.
+struct Valve {
+  double stiffness = 40.0, pressure = 3.0;
+  bool has_spring = false;
+  OptionSet options{"valve"};
+
+  Valve() {
+    options.flag("has_spring", has_spring, {"", "sentence", ""});
+    options.real("stiffness", stiffness, positive(), {"N/m", "sentence", ""});
+    options.effective([this] { return has_spring; }, "only with -has_spring");
+    options.caution(
+        [this] { return pressure > 5.0 ? std::string("the pressure is high") : std::string(); });
+    options.real("pressure", pressure, positive(), {"Pa", "sentence", ""});
+  }
+  std::vector<std::string> cautions(std::vector<Given> given) {
+    options.assign(given);
+    return options.cautions();
+  }
+};
+
+TEST(OptionSet, an_option_without_effect_is_a_caution) {
+  EXPECT_EQ(Valve().cautions({{"stiffness", "70", "here"}}),
+            std::vector<std::string>{"-stiffness 70 has no effect: only with -has_spring"});
+  EXPECT_TRUE(
+      Valve().cautions({{"stiffness", "70", "here"}, {"has_spring", "true", "here"}}).empty());
+  EXPECT_TRUE(Valve().cautions({{"stiffness", "40", "here"}}).empty());
+}
+
+TEST(OptionSet, cautions_come_from_the_values_as_they_were_set) {
+  Valve valve;
+  EXPECT_TRUE(valve.cautions({{"pressure", "4.5", "here"}}).empty());
+  EXPECT_EQ(Valve().cautions({{"pressure", "5.5", "here"}}),
+            std::vector<std::string>{"the pressure is high"});
+}
+
 TEST(OptionSet, rows_say_what_the_pages_print) {
   Sample sample;
   const std::vector<Row> rows = sample.options.rows();

@@ -5,6 +5,7 @@
 
 #include "mpm/contact/Motion.hpp"
 #include "mpm/material/SandFactory.hpp"
+#include "mpm/run/Checks.hpp"
 #include "mpm/run/RunOptions.hpp"
 #include "mpm/solver/Simulation.hpp"
 
@@ -14,6 +15,7 @@ namespace mpm::cases {
 struct BiaxialOptions {
   run::RunOptions run;
   material::SandFactory sand;
+  run::Checks checks;
 
   double width = 1.0;   ///< m
   double height = 2.0;  ///< m

@@ -23,8 +23,6 @@ class PipeEvidence {
                           double reaction) const;
 
  private:
-  double particles_in_pipe(const particles::ParticleView<2>& view,
-                           const contact::RigidBody<2>& body) const;
   double strain_at_side(const particles::ParticleView<2>& view) const;
   double rise_at_bottom(const particles::ParticleView<2>& view) const;
   double strip() const;

@@ -4,6 +4,7 @@
 #include "Lists.hpp"
 #include "Model.hpp"
 #include "Rows.hpp"
+#include "mpm/cases/Evidence.hpp"
 #include "mpm/cases/GridCase.hpp"
 #include "mpm/cases/RigidContactOf.hpp"
 #include "mpm/run/Endings.hpp"
@@ -51,6 +52,7 @@ class CustomCase : public GridCase<dim> {
   double progress(const Now& now) const;
   run::HistoryTable<dim> history();
   run::Numbers field_numbers() const;
+  void hold_evidence(const particles::Particles<dim>& particles, io::Summary& summary) const;
   void report(const Body<dim>& body, std::size_t first_column, io::Summary& summary) const;
   static std::string largest_force_key(const std::string& body) {
     return fmt::format("body_{}_largest_force_{}", body, force_unit<dim>);
@@ -109,6 +111,7 @@ std::vector<run::Stage<dim>> CustomCase<dim>::stages() {
   m_endings.clear();
   std::vector<run::Stage<dim>> stages;
   for (std::size_t k = 0; k < m_custom.stages.size(); ++k) stages.push_back(stage(k));
+  m_model->check_ways();
   return stages;
 }
 
@@ -205,9 +208,24 @@ run::Numbers CustomCase<dim>::field_numbers() const {
 }
 
 template <int dim>
-void CustomCase<dim>::evaluate(run::Run<dim>&, io::Summary& summary) {
+void CustomCase<dim>::evaluate(run::Run<dim>& run, io::Summary& summary) {
+  hold_evidence(run.simulation().particles(), summary);
+  if (summary.is_withheld()) return;
   for (std::size_t k = 0; k < m_model->bodies().size(); ++k)
     report(m_model->bodies()[k], m_rows->first_of(k), summary);
+}
+
+/// At the end of the run.
+template <int dim>
+void CustomCase<dim>::hold_evidence(const particles::Particles<dim>& particles,
+                                    io::Summary& summary) const {
+  const auto all = static_cast<double>(particles.global_count());
+  double inside = 0.0;
+  for (const Body<dim>& body : m_model->bodies())
+    inside += particles_inside(particles, *body.rigid, 0.5 * m_model->smallest_cell()) / all;
+  const double at_limits = particles_at_limits(particles) / all;
+  m_custom.checks.hold("particles_in_body", {inside, inside}, summary);
+  m_custom.checks.hold("limits_of_law", {at_limits, at_limits}, summary);
 }
 
 template <int dim>

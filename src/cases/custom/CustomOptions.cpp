@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "Lists.hpp"
+#include "mpm/cases/Evidence.hpp"
 #include "mpm/options/TableChoice.hpp"
 
 namespace mpm::cases::custom {
@@ -105,7 +106,12 @@ void StageOptions::declare(options::OptionSet& set) {
                     {"N", "force that the unbalanced ones are compared with", "chosen"});
 }
 
-CustomOptions::CustomOptions() {
+CustomOptions::CustomOptions()
+    : checks({{.name = "particles_in_body",
+               .limits = {0.0, 0.01},
+               .sentence = "share of the particles deeper in a body than half a cell",
+               .remedy = "-body_NAME_detection spring, a slower motion or smaller cells may help"},
+              limits_of_law()}) {
   run.output_dir = "out/custom";
 }
 
@@ -113,6 +119,7 @@ void CustomOptions::declare(options::OptionSet& set) {
   run.declare(set);
   declare_space(set);
   declare_things(set);
+  checks.declare(set);
 }
 
 void CustomOptions::declare_space(options::OptionSet& set) {

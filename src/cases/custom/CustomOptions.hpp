@@ -9,6 +9,7 @@
 #include "ShapeOptions.hpp"
 #include "mpm/contact/RigidContact.hpp"
 #include "mpm/material/LawOptions.hpp"
+#include "mpm/run/Checks.hpp"
 #include "mpm/run/RunOptions.hpp"
 
 namespace mpm::cases::custom {
@@ -74,6 +75,7 @@ struct StageOptions {
 /// All options of -scene custom. Stays where it is.
 struct CustomOptions {
   run::RunOptions run;
+  run::Checks checks;
   std::int64_t dimension = 2;
   std::vector<double> domain;
   std::optional<double> cell_size;

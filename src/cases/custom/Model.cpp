@@ -129,6 +129,11 @@ solver::SimulationSetup<dim> Model<dim>::setup() const {
 }
 
 template <int dim>
+double Model<dim>::smallest_cell() const {
+  return smallest_width<dim>(m_lines);
+}
+
+template <int dim>
 double Model<dim>::smallest_density() const {
   double smallest = std::numeric_limits<double>::max();
   for (const auto& law : m_materials) smallest = std::min(smallest, law->initial_density());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "Bodies.hpp"
+#include "Ways.hpp"
 #include "mpm/cases/Ground.hpp"
 #include "mpm/run/Problem.hpp"
 
@@ -18,6 +19,9 @@ class Model {
   solver::SimulationSetup<dim> setup() const;
   const std::vector<Body<dim>>& bodies() const { return m_bodies; }
   double smallest_density() const;  ///< kg/m^3
+  double smallest_cell() const;     ///< m
+  /// That no body moves into a wall. Throws BadInput.
+  void check_ways() const { custom::check_ways<dim>(m_options, m_bodies, m_lines, m_walls); }
   /// None where the soil has neither weight, load nor a stress of its own.
   std::function<SymmetricTensor(const Vector<dim>&)> initial_stress() const;
   std::vector<particles::SurfacePiece<dim>> loaded_surface() const;
