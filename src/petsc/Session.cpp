@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <stdexcept>
 
 #include "mpm/petsc/Error.hpp"
@@ -18,13 +19,25 @@ void check(PetscErrorCode code, const char* call, const char* file, int line) {
                                        specific != nullptr ? specific : ""));
 }
 
+namespace {
+
+/// PETSc would read options from the environment and from files of the user: nothing that is not
+/// checked, and not in used.opts, may change a run or end it.
+void keep_out_foreign_options() {
+  for (const char* name : {"PETSC_OPTIONS", "PETSC_OPTIONS_YAML"}) unsetenv(name);
+  MPM_PETSC(PetscOptionsSetValue(nullptr, "-skip_petscrc", nullptr));
+}
+
+}  // namespace
+
 Session::Session(const std::vector<std::pair<std::string, std::string>>& options) {
-  for (const auto& [name, value] : options)
-    MPM_PETSC(PetscOptionsSetValue(nullptr, ("-" + name).c_str(),
-                                   value.empty() ? nullptr : value.c_str()));
   PetscBool is_running = PETSC_FALSE;
   MPM_PETSC(PetscInitialized(&is_running));
   m_owns_petsc = is_running == PETSC_FALSE;
+  if (m_owns_petsc) keep_out_foreign_options();
+  for (const auto& [name, value] : options)
+    MPM_PETSC(PetscOptionsSetValue(nullptr, ("-" + name).c_str(),
+                                   value.empty() ? nullptr : value.c_str()));
   if (m_owns_petsc) {
     MPM_PETSC(PetscInitializeNoArguments());  // starts MPI, and ends it, unless it runs already
     MPM_PETSC(PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr));

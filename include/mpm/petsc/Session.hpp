@@ -11,7 +11,8 @@
 namespace mpm::petsc {
 
 /// PETSc and MPI from construction to destruction, as far as the caller has not started them: what
-/// runs already is left running, with the caller's own handler of PETSc's errors.
+/// runs already is left running, with the caller's own handler of PETSc's errors. What starts here
+/// reads neither PETSC_OPTIONS nor .petscrc.
 class Session {
  public:
   /// `options` are PETSc's own, names without the dash. Collective over all processes.
