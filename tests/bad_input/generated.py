@@ -62,7 +62,7 @@ def of_names(scene, option, names, rng):
         wrong = misspelt(name, rng)
     near = tuple(f"nearest is -{n}" for n in names if distance(wrong, n) == 1)
     yield Case(scene, [f"-{wrong}", "1"], [f"-{wrong}", "unknown", near])
-    yield Case(scene, [f"\u2013{name}", "1"], [f"\u2013{name}", "U+2013, which looks like '-'"])
+    yield Case(scene, [f"\u2013{name}", "1"], [f"\u2013{name}", "U+2013", "looks like '-'"])
     yield Case(scene, [f"-{name}\u00a0", "1"], [f"-{name}\u00a0", "U+00A0", "no ordinary blank"])
     yield Case(scene, [f"-{name}=1"], [f"-{name}=1", "equals sign", f"write -{name} 1"])
     if option["kind"] != "flag":
@@ -86,12 +86,12 @@ def of_numbers(scene, option, _names, _rng):
     if is_integer:
         yield case("99999999999999999999", "64 bits")
         yield case("8.5", "is not an integer")
-    yield case("0.5m", "'m'" if not is_integer else "'.5m'" if False else "is not an integer")
+    yield case("0.5m", "leave 'm' away")
     yield case("5m", "leave 'm' away")
     yield case("0x10", "decimal number")
-    yield case("\u22125", "U+2212, which looks like '-'")
+    yield case("\u22125", "U+2212", "looks like '-'")
     yield case("5\u00a0", "U+00A0", "no ordinary blank")
-    yield case("\uff15", "U+FF15, which looks like '5'")
+    yield case("\uff15", "U+FF15", "looks like '5'")
     yield case("5 000", "is not")
     if option["kind"] != "real_list":
         yield case("0,5", "the decimal sign is a point")

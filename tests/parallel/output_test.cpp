@@ -130,9 +130,12 @@ void write(const std::string& path, const std::string& text) {
   test::world().barrier();
 }
 
+/// Nobody changes anything meanwhile.
 bool exists(const std::string& path) {
   test::world().barrier();
-  return std::filesystem::exists(path);
+  const bool is_there = std::filesystem::exists(path);
+  test::world().barrier();
+  return is_there;
 }
 
 /// What a run writes, one of it not to its end.
