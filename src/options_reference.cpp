@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -222,10 +225,35 @@ std::string table_of_sands() {
       sentences, head, line, rows);
 }
 
-}  // namespace
+/// An option for programs; ends that are not there are left out.
+nlohmann::ordered_json as_json(const Row& row) {
+  nlohmann::ordered_json entry{{"name", row.name},
+                               {"kind", mpm::options::word_for(row.kind)},
+                               {"initial", row.initial},
+                               {"unit", row.unit},
+                               {"allowed", row.allowed}};
+  if (!row.words.empty()) entry["words"] = row.words;
+  if (!row.range) return entry;
+  const double largest = std::numeric_limits<double>::max();
+  if (row.range->minimum != -largest) {
+    entry["minimum"] = row.range->minimum;
+    entry["open_minimum"] = row.range->open_minimum;
+  }
+  if (row.range->maximum != largest) {
+    entry["maximum"] = row.range->maximum;
+    entry["open_maximum"] = row.range->open_maximum;
+  }
+  return entry;
+}
 
-/// Prints docs/options.md from the declarations in the code.
-int main() {
+void print_json() {
+  nlohmann::ordered_json scenes;
+  for (const SceneRows& scene : rows_of_scenes())
+    for (const Row& row : scene.rows) scenes[scene.name].push_back(as_json(row));
+  fmt::print("{}\n", scenes.dump(1));
+}
+
+void print_page() {
   fmt::print(
       "<!-- Written by tools/reference from the declarations in the code; do not edit. "
       "-->\n"
@@ -246,4 +274,14 @@ int main() {
   for (const auto& home : homes_of(shared)) fmt::print("{}", shared_section(home, shared));
   fmt::print("{}", table_of_sands());
   for (const auto& scene : scenes) fmt::print("{}", scene_section(scene, shared));
+}
+
+}  // namespace
+
+/// Prints docs/options.md from the declarations in the code; with --json a table for programs.
+int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "--json")
+    print_json();
+  else
+    print_page();
 }

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,9 +13,10 @@
 
 #include "mpm/Version.hpp"
 #include "mpm/cases/Case.hpp"
-#include "mpm/io/ResultFiles.hpp"
+#include "mpm/io/OutputDirectory.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/options/CommandLine.hpp"
+#include "mpm/options/InputFile.hpp"
 #include "mpm/options/Nearest.hpp"
 #include "mpm/petsc/Session.hpp"
 #include "mpm/run/CheckpointOptions.hpp"
@@ -119,14 +121,39 @@ bool is_finished(const std::string& directory, const options::OptionSet& options
   return petsc::world().all(same);
 }
 
-/// Makes room for the results of a run; those of a run that goes on stay, but for its end.
-void prepare_output(const Case& scene) {
-  const std::string& directory = scene.output_directory();
-  io::make_directory(directory);
-  if (!scene.goes_on_in_place()) return io::remove_results(directory);
-  if (!petsc::is_root()) return;
-  for (const char* name : {"summary.json", "failure.json"})
-    io::remove_result(directory + "/" + name);
+/// A file may be unreadable on some ranks only: all have to agree. Throws BadInput. Collective.
+void check_input_files(const options::OptionSet& options) {
+  std::string fault;
+  try {
+    for (const options::Given& file : options.input_files())
+      options::read_input_file(file.name, file.value);
+  } catch (const BadInput& error) {
+    fault = error.what();
+  }
+  fault = petsc::world().first_text(fault);
+  if (!fault.empty()) throw BadInput(fault);
+}
+
+/// Takes the directory for a run whose input is accepted.
+void prepare_output(const Case& scene, io::OutputDirectory& directory, const Root& root) {
+  if (scene.goes_on_in_place()) return directory.go_on();
+  const std::size_t replaced = directory.begin_anew();
+  if (replaced > 0)
+    root.print(fmt::format("replaces {} {} of an earlier run in {}\n", replaced,
+                           replaced == 1 ? "file" : "files", scene.output_directory()));
+}
+
+/// The directory, which nothing has been changed in yet. Throws BadInput.
+std::unique_ptr<io::OutputDirectory> open_output(const options::OptionSet& options, bool goes_on,
+                                                 const Root& root) {
+  using Unlisted = io::OutputDirectory::Unlisted;
+  auto directory = std::make_unique<io::OutputDirectory>(
+      options.given("output_dir"), goes_on ? Unlisted::checkpoint : Unlisted::none);
+  if (!directory->without_lock().empty())
+    root.complain(fmt::format("mpmsolve: -output_dir {}: nothing keeps a second run out ({})\n",
+                              options.given("output_dir").value, directory->without_lock()));
+  for (const options::Given& file : options.input_files()) directory->check_input(file);
+  return directory;
 }
 
 /// The failure itself is told first: the disk may be full.
@@ -183,18 +210,20 @@ ExitCode run_scene(const options::CommandLine& line, const Root& root, Clock::ti
   }
   options.assign(without_scene(line));
   const bool can_go_on = options.has("restart");
-  if (can_go_on && options.is_changed("restart") &&
-      is_finished(scene->output_directory(), options)) {
+  const bool goes_on = can_go_on && options.is_changed("restart");
+  if (goes_on && is_finished(scene->output_directory(), options)) {
     root.print(
         fmt::format("the run is finished, its results are in {}; leave -restart out to "
                     "compute it anew\n",
                     scene->output_directory()));
     return ExitCode::finished;
   }
+  check_input_files(options);
+  const auto directory = open_output(options, goes_on, root);
   std::optional<run::SignalHandlers> handlers;
   if (can_go_on) handlers.emplace();
   scene->prepare();
-  prepare_output(*scene);
+  prepare_output(*scene, *directory, root);
   io::write_text_file(scene->output_directory() + "/used.opts",
                       fmt::format("-scene {}\n{}", kind.name, options.used()));
   return finish(*scene, options, root, begin);
@@ -224,12 +253,16 @@ ExitCode run_application(std::span<const char* const> arguments) {
   } catch (const BadInput& error) {
     refused = error.what();
   }
+  const bool has_petsc_options = std::getenv("PETSC_OPTIONS") != nullptr;
   const petsc::Session session(for_petsc(line));
   const Root root(session.rank() == 0);
+  if (has_petsc_options)
+    root.complain(
+        "mpmsolve: PETSC_OPTIONS is not read; give options of PETSc on the command line\n");
   try {
     // A file may be unreadable on some ranks only: all have to agree.
-    if (petsc::maximum(refused ? 1.0 : 0.0) > 0.0)
-      throw BadInput(refused.value_or("an options file cannot be read on another rank"));
+    const std::string fault = petsc::world().first_text(refused.value_or(""));
+    if (!fault.empty()) throw BadInput(fault);
     return answer(line, root, begin);
   } catch (const BadInput& error) {
     root.complain(fmt::format("mpmsolve: bad input: {}\n", error.what()));

@@ -48,7 +48,7 @@ class MaterialPoint : public Case {
   void declare(options::OptionSet& options) override {
     m_options = &options;
     options.section("Test");
-    options.text("output_dir", m_directory,
+    options.path("output_dir", m_directory,
                  {"", "directory of all results, made if missing", "chosen"});
     declare_test(options);
     declare_material(options);
@@ -98,11 +98,12 @@ class MaterialPoint : public Case {
                   "chosen"});
     options.integer("increments", m_increments, {1, 10'000'000},
                     {"1", "rows of the result", "chosen"});
-    options.text("path_file", m_path_file,
-                 {"",
-                  "CSV file of -test path: legs under mixed strain and stress control, normal "
-                  "components compression positive, see docs/model.md",
-                  "chosen"});
+    options.input_file(
+        "path_file", m_path_file,
+        {"",
+         "CSV file of -test path: legs under mixed strain and stress control, normal "
+         "components compression positive, see docs/model.md",
+         "chosen"});
   }
 
   void declare_material(options::OptionSet& options) {

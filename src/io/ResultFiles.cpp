@@ -1,5 +1,7 @@
 #include "mpm/io/ResultFiles.hpp"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
@@ -7,23 +9,47 @@
 namespace mpm::io {
 namespace {
 
-/// A list that somebody has edited must not reach beyond its directory.
-bool is_plain_name(const std::string& name) {
-  return !name.empty() && name.find('/') == std::string::npos && name != "." && name != "..";
+constexpr std::string_view unfinished = ".part";
+
+constexpr std::array files{
+    ResultFile{"used.opts", "options that reproduce the run"},
+    ResultFile{"history.csv", "a row per output time"},
+    ResultFile{"summary.json", "the answers above, when the run has finished"},
+    ResultFile{"failure.json", "what is known of a numerical failure, in place of a summary"},
+    ResultFile{"particles_*.h5", "the particles at an output time"},
+    ResultFile{"particles.xdmf", "opens them in ParaView, as a series in time"},
+    ResultFile{"grid_*.h5", "the nodes of the grid at an output time"},
+    ResultFile{"grid.xdmf", "opens them in ParaView"},
+    ResultFile{"checkpoint.h5", "all that a run needs to go on: see docs/restart.md"},
+    ResultFile{"threshold.csv", "pipe: the slope of the curve and the failure threshold in it"},
+    ResultFile{"pressure.csv", "hertz: contact pressure along the surface, by nodes"},
+    ResultFile{"pressure_particles.csv", "hertz: the same by particles"},
+};
+
+bool are_digits(std::string_view text) {
+  return !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-void remove_listed(const std::filesystem::path& directory) {
-  std::ifstream list(directory / list_of_results);
-  std::error_code ignored;  // a file that its user has removed is no fault
-  for (std::string name; std::getline(list, name);) {
-    if (!is_plain_name(name)) continue;
-    std::filesystem::remove(directory / name, ignored);
-    std::filesystem::remove(directory / (name + ".part"), ignored);
-  }
-  std::filesystem::remove(directory / list_of_results, ignored);
+bool is_called(std::string_view name, std::string_view pattern) {
+  const std::size_t star = pattern.find('*');
+  if (star == std::string_view::npos) return name == pattern;
+  const std::string_view head = pattern.substr(0, star), tail = pattern.substr(star + 1);
+  return name.size() > head.size() + tail.size() && name.starts_with(head) &&
+         name.ends_with(tail) &&
+         are_digits(name.substr(star, name.size() - head.size() - tail.size()));
 }
 
 }  // namespace
+
+std::span<const ResultFile> result_files() {
+  return files;
+}
+
+bool is_result_name(std::string_view name) {
+  if (name.ends_with(unfinished)) name.remove_suffix(unfinished.size());
+  return std::ranges::any_of(files,
+                             [name](const auto& file) { return is_called(name, file.name); });
+}
 
 bool register_result(const std::string& path) {
   const std::filesystem::path file(path);
@@ -36,11 +62,6 @@ bool register_result(const std::string& path) {
 void remove_result(const std::string& path) {
   std::error_code ignored;  // a file that its user has removed is no fault
   std::filesystem::remove(path, ignored);
-}
-
-void remove_results(const std::string& directory, const petsc::Communicator& communicator) {
-  if (communicator.is_root()) remove_listed(directory);
-  communicator.barrier();  // nobody writes before the old files are gone
 }
 
 }  // namespace mpm::io

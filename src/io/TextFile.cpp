@@ -2,10 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "mpm/core/Errors.hpp"
@@ -27,17 +23,6 @@ bool write_whole(const std::string& path, const std::string& text) {
 }
 
 }  // namespace
-
-void make_directory(const std::string& path, const petsc::Communicator& communicator) {
-  std::error_code error;
-  if (communicator.is_root()) std::filesystem::create_directories(path, error);
-  const bool usable = !communicator.is_root() || (std::filesystem::is_directory(path) && !error);
-  if (!communicator.all(usable))
-    throw BadInput(
-        fmt::format("-output_dir {}: the directory cannot be made ({}); name one that "
-                    "can be written",
-                    path, error.message()));
-}
 
 void write_text_file(const std::string& path, const std::string& text,
                      const petsc::Communicator& communicator) {

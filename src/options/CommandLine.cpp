@@ -5,55 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
+
+#include "mpm/options/Characters.hpp"
+#include "mpm/options/InputFile.hpp"
+#include "mpm/options/PetscOptions.hpp"
 
 namespace mpm::options {
 namespace {
-
-/// PETSc's options that pass unread; a star ends a prefix. Left out: what would change the grid or
-/// bring in options unchecked (-da_*, -dm_refine, -options_file_yaml, -prefix_push, -history).
-constexpr auto petsc_options = std::to_array<std::string_view>({
-    "ao_view*",
-    "check_pointer_intensity",
-    "citations",
-    "debug_terminal",
-    "debugger_*",
-    "device_*",
-    "dm_bind_below",
-    "dm_mat_type",
-    "dm_vec_type",
-    "dm_view*",
-    "error_output_*",
-    "fp_trap",
-    "get_total_flops",
-    "info",
-    "info_exclude",
-    "is_view*",
-    "log_*",
-    "malloc",
-    "malloc_*",
-    "mat_*",
-    "memory_view",
-    "no_signal_handler",
-    "objects_dump",
-    "on_error_*",
-    "options_left",
-    "options_monitor*",
-    "options_view",
-    "options_suppress_deprecated_warnings",
-    "petsc_*",
-    "sf_*",
-    "skip_petscrc",
-    "stack_view",
-    "start_in_debugger",
-    "stop_for_debugger",
-    "use_gpu_aware_mpi",
-    "vec_*",
-    "vecscatter_*",
-    "viewer_*",
-});
 
 constexpr std::size_t largest_file = 1 << 20;
 constexpr std::string_view pairs_allowed = "pairs of -name value";
@@ -62,13 +21,6 @@ struct Token {
   std::string text;
   bool quoted = false;
 };
-
-bool is_petsc_option(std::string_view name) {
-  return std::ranges::any_of(petsc_options, [name](std::string_view pattern) {
-    return pattern.ends_with('*') ? name.starts_with(pattern.substr(0, pattern.size() - 1))
-                                  : name == pattern;
-  });
-}
 
 std::string lower_case(std::string_view text) {
   std::string lower(text);
@@ -101,8 +53,10 @@ std::string name_of(const Token& token) {
 BadInput stray_word(const Token& token, const std::vector<Given>& before,
                     const std::string& origin) {
   const std::string place = before.empty() ? "" : " after -" + before.back().name;
+  const std::string foreign = fault_of_characters(token.text);
   return bad_input({.given = {"", token.text, origin},
-                    .fault = fmt::format("is a stray word{}", place),
+                    .fault = fmt::format("is a stray word{}{}{}", place,
+                                         foreign.empty() ? "" : " and ", foreign),
                     .allowed = std::string(pairs_allowed),
                     .remedy = "remove it, or put the value it belongs to in double quotes"});
 }
@@ -159,11 +113,16 @@ std::vector<Token> tokens_of(std::string_view line, const std::string& origin) {
   return tokens;
 }
 
+std::string does_not_start(const Token& token) {
+  const std::string foreign = fault_of_characters(token.text);
+  return "does not start an option" + (foreign.empty() ? "" : ": it " + foreign);
+}
+
 std::vector<Given> read_line(std::string_view line, const std::string& origin) {
   const std::vector<Token> tokens = tokens_of(line, origin);
   if (!tokens.empty() && !is_name(tokens.front()))
     throw bad_input({.given = {"", tokens.front().text, origin},
-                     .fault = "does not start an option",
+                     .fault = does_not_start(tokens.front()),
                      .allowed = "lines of one -name value, comments that start with #",
                      .remedy = "correct the line, or check that this is an options file"});
   std::vector<Given> given = pair_up(tokens, origin);
@@ -173,29 +132,6 @@ std::vector<Given> read_line(std::string_view line, const std::string& origin) {
                      .allowed = "one option a line",
                      .remedy = "move it to a line of its own"});
   return given;
-}
-
-bool is_foreign(char c) {
-  const auto byte = static_cast<unsigned char>(c);
-  return (byte < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f') || byte == 0x7f;
-}
-
-/// Fills `text` and returns what is wrong with the file, empty when nothing is.
-std::string load(const std::string& path, std::string& text) {
-  std::error_code error;
-  if (path.empty()) return "needs a value";
-  if (!std::filesystem::exists(path, error)) return "does not exist";
-  if (std::filesystem::is_directory(path, error)) return "is a directory";
-
-  std::ifstream stream(path, std::ios::binary);
-  text.resize(largest_file + 1);
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!stream.eof() && stream.gcount() == 0) return "cannot be read";
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (std::ranges::any_of(text, is_foreign)) return "is not a text file";
-  if (text.size() > largest_file) return "is larger than 1 MiB";
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // byte order mark
-  return {};
 }
 
 void refuse_nesting(const Given& option) {
@@ -208,7 +144,7 @@ void refuse_nesting(const Given& option) {
 
 std::vector<Given> read_options_file(const Given& file) {
   std::string text;
-  const std::string fault = load(file.value, text);
+  const std::string fault = load_text(file.value, largest_file, text);
   if (!fault.empty())
     throw bad_input({.given = file,
                      .fault = fault,
@@ -250,6 +186,16 @@ void override_with(const std::vector<Given>& place, std::vector<Given>& all) {
   }
 }
 
+void check_petsc_value(const Given& option) {
+  std::string allowed;
+  const std::string fault = fault_of_petsc_value(option.name, option.value, allowed);
+  if (fault.empty()) return;
+  throw bad_input({.given = option,
+                   .fault = fault,
+                   .allowed = allowed,
+                   .remedy = "correct it, or leave this option of PETSc out"});
+}
+
 CommandLine sorted_out(const std::vector<Given>& all) {
   CommandLine result;
   for (const Given& option : all) {
@@ -261,6 +207,7 @@ CommandLine sorted_out(const std::vector<Given>& all) {
       (is_petsc_option(option.name) ? result.petsc : result.own).push_back(option);
     result.list_scenes |= option.name == "scene" && option.value == "list";
   }
+  for (const Given& option : result.petsc) check_petsc_value(option);
   return result;
 }
 

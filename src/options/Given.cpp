@@ -2,20 +2,22 @@
 
 #include <fmt/format.h>
 
+#include "mpm/options/Characters.hpp"
+
 namespace mpm::options {
 namespace {
 
 std::string subject(const Given& given) {
-  if (given.name.empty()) return fmt::format("'{}'", given.value);
-  if (given.value.empty()) return "-" + given.name;
-  return fmt::format("-{} {}", given.name, given.value);
+  if (given.name.empty()) return fmt::format("'{}'", shown(given.value));
+  if (given.value.empty()) return fmt::format("-{}", shown(given.name));
+  return fmt::format("-{} {}", shown(given.name), shown(given.value));
 }
 
 }  // namespace
 
 BadInput bad_input(const Refusal& refusal) {
   return BadInput{fmt::format("{} ({}) {}; allowed: {}; {}", subject(refusal.given),
-                              refusal.given.origin, refusal.fault, refusal.allowed,
+                              shown(refusal.given.origin), refusal.fault, refusal.allowed,
                               refusal.remedy)};
 }
 

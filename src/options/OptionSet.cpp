@@ -8,8 +8,10 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "mpm/options/Characters.hpp"
 #include "mpm/options/CommandLine.hpp"
 #include "mpm/options/Nearest.hpp"
+#include "mpm/options/PetscOptions.hpp"
 
 namespace mpm::options {
 namespace {
@@ -30,6 +32,7 @@ bool breaks_options_files(char c) {
 std::string read_text(std::string_view text, std::string& value) {
   if (std::ranges::any_of(text, breaks_options_files))
     return "has a double quote or a control character in it";
+  if (!is_utf8(text)) return "is no text (UTF-8)";
   value = text;
   return {};
 }
@@ -66,8 +69,27 @@ std::string read_names(std::string_view text, std::vector<std::string>& names) {
   return {};
 }
 
+std::string read_path(std::string_view text, std::string& value) {
+  const std::string fault = fault_of_path(text);
+  return fault.empty() ? read_text(text, value) : fault;
+}
+
+/// What is wrong with a word, and with the characters in it.
+std::string wrong_word(std::string_view word, std::string fault) {
+  const std::string foreign = fault_of_characters(word);
+  return foreign.empty() ? fault : foreign;
+}
+
+RealRange as_reals(const RealRange& range) {
+  return range;
+}
+RealRange as_reals(const IntegerRange& range) {
+  return {static_cast<double>(range.minimum), static_cast<double>(range.maximum),
+          range.open_minimum, range.open_maximum};
+}
+
 std::string read_flag(std::string_view text, bool& value) {
-  if (text != "true" && text != "false") return "is neither true nor false";
+  if (text != "true" && text != "false") return wrong_word(text, "is neither true nor false");
   value = text == "true";
   return {};
 }
@@ -80,11 +102,14 @@ void OptionSet::section(std::string title) {
 
 template <class Number>
 void OptionSet::number(std::string name, Number& value, Range<Number> allowed, About about) {
+  constexpr bool real = std::is_same_v<Number, double>;
   add({.name = std::move(name),
-       .allowed = allowed_text(std::is_same_v<Number, double> ? "real" : "integer", allowed),
+       .kind = real ? Kind::real : Kind::integer,
+       .allowed = allowed_text(real ? "real" : "integer", allowed),
        .about = std::move(about),
        .read = [allowed, &value](auto text) { return options::read(text, allowed, value); },
-       .present = [&value] { return fmt::format("{}", value); }});
+       .present = [&value] { return fmt::format("{}", value); },
+       .range = as_reals(allowed)});
 }
 
 void OptionSet::real(std::string name, double& value, RealRange allowed, About about) {
@@ -103,8 +128,31 @@ void OptionSet::text(std::string name, std::string& value, About about) {
        .present = [&value] { return value; }});
 }
 
+void OptionSet::path(std::string name, std::string& value, About about) {
+  add({.name = std::move(name),
+       .kind = Kind::path,
+       .allowed = "path",
+       .about = std::move(about),
+       .read = [&value](auto text) { return read_path(text, value); },
+       .present = [&value] { return value; }});
+}
+
+void OptionSet::input_file(std::string name, std::string& value, About about) {
+  path(std::move(name), value, std::move(about));
+  m_options.back().kind = Kind::input_file;
+}
+
+std::vector<Given> OptionSet::input_files() const {
+  std::vector<Given> files;
+  for (const Option& option : m_options)
+    if (option.kind == Kind::input_file && !option.present().empty())
+      files.push_back(given(option.name));
+  return files;
+}
+
 void OptionSet::flag(std::string name, bool& value, About about) {
   add({.name = std::move(name),
+       .kind = Kind::flag,
        .allowed = "true | false",
        .about = std::move(about),
        .read = [&value](auto text) { return read_flag(text, value); },
@@ -115,14 +163,17 @@ void OptionSet::flag(std::string name, bool& value, About about) {
 void OptionSet::real_list(std::string name, std::vector<double>& value, RealRange allowed,
                           About about) {
   add({.name = std::move(name),
+       .kind = Kind::real_list,
        .allowed = allowed_text("reals separated by commas", allowed),
        .about = std::move(about),
        .read = [allowed, &value](auto text) { return options::read(text, allowed, value); },
-       .present = [&value] { return fmt::format("{}", fmt::join(value, ",")); }});
+       .present = [&value] { return fmt::format("{}", fmt::join(value, ",")); },
+       .range = allowed});
 }
 
 void OptionSet::text_list(std::string name, std::vector<std::string>& value, About about) {
   add({.name = std::move(name),
+       .kind = Kind::words,
        .allowed = "words separated by commas",
        .about = std::move(about),
        .read = [&value](auto text) { return read_words(text, value); },
@@ -131,6 +182,7 @@ void OptionSet::text_list(std::string name, std::vector<std::string>& value, Abo
 
 void OptionSet::names(std::string name, std::vector<std::string>& value, About about) {
   add({.name = std::move(name),
+       .kind = Kind::names,
        .allowed = "names of letters and digits separated by commas, each once",
        .about = std::move(about),
        .read = [&value](auto text) { return read_names(text, value); },
@@ -170,10 +222,12 @@ void OptionSet::optional_real(std::string name, std::optional<double>& value, Re
     return fault;
   };
   add({.name = std::move(name),
+       .kind = Kind::real,
        .allowed = fmt::format("{} | {}", allowed_text("real", allowed), word_for_absent),
        .about = std::move(about),
        .read = read,
        .present = [&value] { return value ? fmt::format("{}", *value) : std::string{}; },
+       .range = allowed,
        .when_absent = std::move(when_absent)});
 }
 
@@ -183,15 +237,18 @@ void OptionSet::choice_of_words(std::string name, std::vector<std::string> words
   const auto read = [words, select](std::string_view text) -> std::string {
     const auto word = std::ranges::find(words, text);
     if (word == words.end())
-      return fmt::format("is not one of the choices, the nearest is {}", nearest(text, words));
+      return wrong_word(
+          text, fmt::format("is not one of the choices, the nearest is {}", nearest(text, words)));
     select(static_cast<std::size_t>(word - words.begin()));
     return {};
   };
   add({.name = std::move(name),
+       .kind = Kind::choice,
        .allowed = fmt::format("{}", fmt::join(words, " | ")),
        .about = std::move(about),
        .read = read,
-       .present = [words, selected] { return words.at(selected()); }});
+       .present = [words, selected] { return words.at(selected()); },
+       .words = words});
 }
 
 void OptionSet::preset(std::string name, std::vector<std::string> words,
@@ -308,10 +365,13 @@ OptionSet::Option& OptionSet::known(const Given& given) {
   std::vector<std::string> names;
   for (const Option& option : m_options) names.push_back(option.name);
   names.insert(names.end(), {"options_file", "help", "version"});
-  throw bad_input({.given = given,
-                   .fault = "is an unknown option",
-                   .allowed = "the options that -help lists",
-                   .remedy = fmt::format("the nearest is -{}", nearest(given.name, names))});
+  for (std::string& name : petsc_option_names()) names.push_back(std::move(name));
+  const std::string foreign = fault_of_characters(given.name);
+  throw bad_input(
+      {.given = given,
+       .fault = fmt::format("is an unknown option{}{}", foreign.empty() ? "" : " and ", foreign),
+       .allowed = "the options that -help lists",
+       .remedy = fmt::format("the nearest is -{}", nearest(given.name, names))});
 }
 
 void OptionSet::caution(std::function<std::string()> look) {

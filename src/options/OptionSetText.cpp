@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "mpm/options/CommandLine.hpp"
 #include "mpm/options/OptionSet.hpp"
@@ -43,6 +44,12 @@ std::string head(std::string_view name, std::string_view initial) {
 }
 
 }  // namespace
+
+std::string_view word_for(Kind kind) {
+  constexpr std::array words{"real", "integer", "text",      "path",  "input_file",
+                             "flag", "choice",  "real_list", "words", "names"};
+  return words.at(static_cast<std::size_t>(kind));
+}
 
 std::string OptionSet::by_section(const std::function<std::string(const std::string&)>& heading,
                                   const std::function<std::string(const Option&)>& entry) const {
@@ -102,8 +109,16 @@ std::string OptionSet::used() const {
 std::vector<Row> OptionSet::rows() const {
   std::vector<Row> all;
   for (const Option& option : m_options)
-    all.push_back({option.section, option.name, option.initial, unit_of(option.about),
-                   option.allowed, option.about.sentence, option.about.source});
+    all.push_back({.section = option.section,
+                   .name = option.name,
+                   .kind = option.kind,
+                   .range = option.range,
+                   .words = option.words,
+                   .initial = option.initial,
+                   .unit = unit_of(option.about),
+                   .allowed = option.allowed,
+                   .sentence = option.about.sentence,
+                   .source = option.about.source});
   return all;
 }
 

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <concepts>
 #include <utility>
+
+#include "mpm/options/Characters.hpp"
 
 namespace mpm::options {
 namespace {
@@ -44,6 +47,32 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+/// Why text that is no number looks like one; empty where it does not.
+std::string slip_in(std::string_view text) {
+  if (const std::string foreign = fault_of_characters(text); !foreign.empty())
+    return foreign.starts_with("has") ? "it " + foreign : foreign;
+  const std::string_view bare = text.substr(text.starts_with('-') || text.starts_with('+') ? 1 : 0);
+  if (bare.starts_with("0x") || bare.starts_with("0X")) return "write it as a decimal number";
+  if (bare.empty() || !(is_digit(bare[0]) || bare[0] == '.')) return "";
+  double ignored = 0.0;
+  const char* const end = bare.data() + bare.size();
+  const char* const stop = std::from_chars(bare.data(), end, ignored).ptr;
+  if (stop != end && *stop == ',') return "the decimal sign is a point";
+  if (stop != end && std::isalpha(static_cast<unsigned char>(*stop)) != 0)
+    return fmt::format("the unit is fixed, leave '{}' away",
+                       shown({stop, static_cast<std::size_t>(end - stop)}));
+  return "";
+}
+
+std::string no_number(std::string_view kind, std::string_view text) {
+  const std::string slip = slip_in(text);
+  return fmt::format("is not {}{}{}", kind, slip.empty() ? "" : ": ", slip);
+}
+
 template <class Number>
 std::string read_number(std::string_view text, const Range<Number>& allowed, Number& value) {
   constexpr bool real = std::floating_point<Number>;
@@ -52,7 +81,7 @@ std::string read_number(std::string_view text, const Range<Number>& allowed, Num
   Number number{};
   const auto [stop, error] = std::from_chars(digits.data(), end, number);
   if (error == std::errc::invalid_argument || stop != end)
-    return real ? "is not a real number" : "is not an integer";
+    return no_number(real ? "a real number" : "an integer", text);
   if (error == std::errc::result_out_of_range) return "does not fit in 64 bits";
   if constexpr (real)
     if (!std::isfinite(number)) return "is not finite";

@@ -52,7 +52,7 @@ void CheckpointOptions::declare(options::OptionSet& options) {
                          "has ended by then: "
                          "a tenth of it before, at most a minute",
                          "docs/restart.md"});
-  options.text(
+  options.path(
       "restart", restart,
       {"",
        "checkpoint from which the run goes on; auto takes the one in the output directory, and "

@@ -29,7 +29,7 @@ double RunOptions::courant() const {
 
 void RunOptions::declare(options::OptionSet& options) {
   options.section("Run");
-  options.text("output_dir", output_dir,
+  options.path("output_dir", output_dir,
                {"", "directory of all results, made if missing", "chosen"});
   declare_basis(options);
   declare_step(options);

@@ -9,8 +9,10 @@
 #include <map>
 #include <sstream>
 
+#include "mpm/core/Errors.hpp"
 #include "mpm/io/FieldOutput.hpp"
 #include "mpm/io/Hdf5File.hpp"
+#include "mpm/io/OutputDirectory.hpp"
 #include "mpm/io/ResultFiles.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/material/NeoHookean.hpp"
@@ -109,25 +111,110 @@ void every_dataset_says_what_it_is_and_in_which_unit() {
   }
 }
 
-TEST(ResultFiles, of_an_earlier_run_go_and_those_of_the_user_stay) {
-  const SharedDirectory directory;
+options::Given as_option(const std::string& directory) {
+  return {"output_dir", directory, options::Given::command_line};
+}
+
+std::string refusal_of(const std::string& directory) {
+  try {
+    const OutputDirectory output(as_option(directory), OutputDirectory::Unlisted::none,
+                                 test::world());
+  } catch (const BadInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void write(const std::string& path, const std::string& text) {
+  if (test::world_rank() == 0) std::ofstream(path) << text;
+  test::world().barrier();
+}
+
+/// Nobody changes anything meanwhile.
+bool exists(const std::string& path) {
+  test::world().barrier();
+  const bool is_there = std::filesystem::exists(path);
+  test::world().barrier();
+  return is_there;
+}
+
+/// What a run writes, one of it not to its end.
+void write_results(const SharedDirectory& directory) {
   write_text_file(directory.path("summary.json"), "{}", test::world());
   write_text_file(directory.path("summary.json"), "{ }", test::world());  // listed once
   CsvFile(directory.path("history.csv"), {"time_s"}, test::world());
   Hdf5File(directory.path("particles_000000.h5"), test::world()).close();
-  if (test::world_rank() == 0) {
-    for (const char* name : {"particles_x.h5", "notes.txt", "input.opts"})
-      std::ofstream(directory.path(name)) << "mine";
-    std::ofstream(directory.path(list_of_results), std::ios::app) << "../escaped\n";
-    std::ofstream(directory.path("../escaped")) << "not to be reached";
-  }
-  remove_results(directory.path(), test::world());
-  for (const char* name : {"summary.json", "history.csv", "particles_000000.h5", list_of_results})
-    EXPECT_FALSE(std::filesystem::exists(directory.path(name))) << name;
+  write(directory.path("history.csv.part"), "torn");
+}
+
+TEST(OutputDirectory, files_of_an_earlier_run_go_and_those_of_the_user_stay) {
+  const SharedDirectory directory;
+  write_results(directory);
   for (const char* name : {"particles_x.h5", "notes.txt", "input.opts", "../escaped"})
-    EXPECT_TRUE(std::filesystem::exists(directory.path(name))) << name;
+    write(directory.path(name), "mine");
+  if (test::world_rank() == 0)
+    std::ofstream(directory.path(list_of_results), std::ios::app) << "notes.txt\n";
+  test::world().barrier();
+  EXPECT_NE(refusal_of(directory.path()), "");  // no list that a run has written
+  if (test::world_rank() == 0) {
+    std::ofstream list(directory.path(list_of_results));
+    list << "# Files that mpmsolve has written here; the next run into this directory replaces "
+            "them.\nhistory.csv\nparticles_000000.h5\nsummary.json\n../escaped\nnotes.txt\n";
+  }
+  test::world().barrier();
+  {
+    OutputDirectory output(as_option(directory.path()), OutputDirectory::Unlisted::none,
+                           test::world());
+    EXPECT_TRUE(exists(directory.path("history.csv"))) << "before the run begins";
+    const std::size_t count = output.begin_anew();
+    EXPECT_EQ(count, test::world_rank() == 0 ? 3U : 0U);
+  }
+  for (const char* name :
+       {"summary.json", "history.csv", "history.csv.part", "particles_000000.h5"})
+    EXPECT_FALSE(exists(directory.path(name))) << name;
+  for (const char* name : {"particles_x.h5", "notes.txt", "input.opts", "../escaped"})
+    EXPECT_TRUE(exists(directory.path(name))) << name;
   test::world().barrier();
   if (test::world_rank() == 0) std::filesystem::remove(directory.path("../escaped"));
+}
+
+TEST(OutputDirectory, a_file_that_no_run_has_listed_is_not_replaced) {
+  const SharedDirectory directory;
+  write_results(directory);
+  EXPECT_EQ(refusal_of(directory.path()), "");
+  write(directory.path("particles_000007.h5"), "mine");
+  EXPECT_NE(refusal_of(directory.path()).find(": particles_000007.h5;"), std::string::npos);
+}
+
+TEST(OutputDirectory, a_run_that_is_refused_leaves_no_trace) {
+  const SharedDirectory directory;
+  EXPECT_EQ(refusal_of(directory.path("new/deeper")), "");
+  EXPECT_FALSE(exists(directory.path("new")));
+  EXPECT_FALSE(exists(directory.path(list_of_results)));
+}
+
+TEST(OutputDirectory, is_of_one_run_as_long_as_that_lives) {
+  const SharedDirectory directory;
+  {
+    const OutputDirectory output(as_option(directory.path("out")), OutputDirectory::Unlisted::none,
+                                 test::world());
+    EXPECT_NE(refusal_of(directory.path("out")).find("another run"), std::string::npos);
+  }
+  EXPECT_EQ(refusal_of(directory.path("out")), "");
+}
+
+TEST(OutputDirectory, a_run_that_goes_on_keeps_results_but_for_its_end_and_what_is_torn) {
+  const SharedDirectory directory;
+  write_results(directory);
+  {
+    OutputDirectory output(as_option(directory.path()), OutputDirectory::Unlisted::checkpoint,
+                           test::world());
+    output.go_on();
+  }
+  EXPECT_FALSE(exists(directory.path("summary.json")));
+  EXPECT_FALSE(exists(directory.path("history.csv.part")));
+  EXPECT_TRUE(exists(directory.path("history.csv")));
+  EXPECT_TRUE(exists(directory.path("particles_000000.h5")));
 }
 
 TEST(FieldOutput, every_dataset_says_what_it_is_and_in_which_unit) {

@@ -344,7 +344,7 @@ TEST(Options, declaring_a_name_twice_is_a_programming_error) {
 TEST(Options, declaring_a_name_of_petsc_or_of_the_program_is_a_programming_error) {
   OptionSet options;
   double value = 0.3;
-  for (const std::string name : {"log_view", "mat_type", "help", "options_file"})
+  for (const std::string name : {"log_view", "malloc_debug", "help", "options_file"})
     EXPECT_THROW(options.real(name, value, positive(), {}), std::logic_error) << name;
 }
 
@@ -534,11 +534,11 @@ TEST(CommandLine, dry_run_is_an_option_like_any_other) {
 
 TEST(CommandLine, petsc_options_pass_with_and_without_values) {
   const CommandLine line = parse({"-log_view", "-malloc_debug", "true", "-scene", "pipe",
-                                  "-options_left", "no", "-vec_type", "standard", "-info"});
+                                  "-options_left", "no", "-log_trace", "steps.txt", "-info"});
   ASSERT_EQ(line.petsc.size(), 5U);
   EXPECT_EQ(find(line.petsc, "log_view")->value, "");
   EXPECT_EQ(find(line.petsc, "malloc_debug")->value, "true");
-  EXPECT_EQ(find(line.petsc, "vec_type")->value, "standard");
+  EXPECT_EQ(find(line.petsc, "log_trace")->value, "steps.txt");
   EXPECT_EQ(line.own.size(), 1U);
 }
 

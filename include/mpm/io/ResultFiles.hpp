@@ -1,10 +1,22 @@
 #pragma once
 
+#include <span>
 #include <string>
-
-#include "mpm/petsc/Session.hpp"
+#include <string_view>
 
 namespace mpm::io {
+
+/// A file that runs write; `*` in its name stands for the number of an output.
+struct ResultFile {
+  std::string_view name;
+  std::string_view sentence;
+};
+
+/// Everything that a run may write into its directory: what a name there is taken for.
+std::span<const ResultFile> result_files();
+
+/// Whether a run writes files of this name, or writes them as `name.part` before they are whole.
+bool is_result_name(std::string_view name);
 
 /// The file in which a directory of results lists what runs wrote there, one name a line.
 inline constexpr auto list_of_results = "result_files.txt";
@@ -17,9 +29,5 @@ bool register_result(const std::string& path);
 /// Removes a file that runs have written, if it is there, and leaves it in the list. For the rank
 /// that writes.
 void remove_result(const std::string& path);
-
-/// Removes the files that runs have listed in a directory, and nothing else. Collective.
-void remove_results(const std::string& directory,
-                    const petsc::Communicator& communicator = petsc::world());
 
 }  // namespace mpm::io

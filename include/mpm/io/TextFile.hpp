@@ -10,10 +10,6 @@ namespace mpm::io {
 
 // All of these are collective over the ranks of the communicator; the first of them does the work.
 
-/// Makes a directory with its parents. Throws BadInput on all ranks if it cannot.
-void make_directory(const std::string& path,
-                    const petsc::Communicator& communicator = petsc::world());
-
 /// Writes a file as `path.part` and renames it; all ranks learn of a failure and throw
 /// NumericalFailure.
 void write_text_file(const std::string& path, const std::string& text,

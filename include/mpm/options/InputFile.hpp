@@ -7,8 +7,13 @@
 
 namespace mpm::options {
 
+/// Fills `text` with a file as it is, a mark at its beginning excepted, and returns what is wrong
+/// with it ("does not exist"), empty when nothing is. Nothing but a regular file is opened: a pipe
+/// would be read by one rank and awaited by the others.
+std::string load_text(const std::string& path, std::size_t most_bytes, std::string& text);
+
 /// The text of a file that an option names. Throws BadInput, which names option and file, where it
-/// is no file, larger than 16 MB, unreadable or not text.
+/// is no file, larger than 16 MiB, unreadable or not text.
 std::string read_input_file(std::string_view option, const std::string& path);
 
 /// The text after the mark that spreadsheets put at the beginning.

@@ -24,11 +24,19 @@ struct About {
   bool is_dimensionless() const { return unit.empty() || unit == "1"; }
 };
 
+enum class Kind { real, integer, text, path, input_file, flag, choice, real_list, words, names };
+
+/// The word that tables have for a kind.
+std::string_view word_for(Kind kind);
+
 /// One option as pages print it.
 struct Row {
   std::string section, name;
-  std::string initial;  ///< the default for readers
-  std::string unit;     ///< "-" when dimensionless
+  Kind kind = Kind::text;
+  std::optional<RealRange> range = {};  ///< of numbers
+  std::vector<std::string> words = {};  ///< of a choice
+  std::string initial;                  ///< the default for readers
+  std::string unit;                     ///< "-" when dimensionless
   std::string allowed, sentence, source;
 };
 
@@ -50,6 +58,10 @@ class OptionSet {
   void real(std::string name, double& value, RealRange allowed, About about);
   void integer(std::string name, std::int64_t& value, IntegerRange allowed, About about);
   void text(std::string name, std::string& value, About about);
+  /// Text that names a file or a directory: what only a shell replaces is refused.
+  void path(std::string name, std::string& value, About about);
+  /// Path of a file that the run reads, listed by input_files().
+  void input_file(std::string name, std::string& value, About about);
   /// Values true|false; the bare name means true.
   void flag(std::string name, bool& value, About about);
   void real_list(std::string name, std::vector<double>& value, RealRange allowed, About about);
@@ -106,8 +118,13 @@ class OptionSet {
   /// `bad_input`.
   Given given(std::string_view name) const;
 
+<<<<<<< HEAD
   /// What is doubtful about the values that `assign` has set.
   std::vector<std::string> cautions() const;
+=======
+  /// The options that name a file to be read and have been given.
+  std::vector<Given> input_files() const;
+>>>>>>> input
 
   /// Aligned plain text for -help.
   std::string help() const;
@@ -121,12 +138,15 @@ class OptionSet {
  private:
   struct Option {
     std::string name;
+    Kind kind = Kind::text;
     std::string allowed;  ///< kind and readable range, or list of words
     About about;
     std::function<std::string(std::string_view)> read;  ///< returns what is wrong, else empty
     std::function<std::string()> present;               ///< present value, empty if not set
-    std::string when_absent = "not set";                ///< what holds without a value
-    std::string when_bare = {};                         ///< the value a name without one stands for
+    std::optional<RealRange> range = {};
+    std::vector<std::string> words = {};
+    std::string when_absent = "not set";  ///< what holds without a value
+    std::string when_bare = {};           ///< the value a name without one stands for
     std::string section = {};
     std::string initial = {};  ///< the default for readers
     std::string origin = {};   ///< empty unless given

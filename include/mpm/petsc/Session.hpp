@@ -11,10 +11,12 @@
 namespace mpm::petsc {
 
 /// PETSc and MPI from construction to destruction, as far as the caller has not started them: what
-/// runs already is left running, with the caller's own handler of PETSc's errors.
+/// runs already is left running, with the caller's own handler of PETSc's errors. What starts here
+/// reads neither PETSC_OPTIONS nor .petscrc.
 class Session {
  public:
-  /// `options` are PETSc's own, names without the dash. Collective over all processes.
+  /// `options` are PETSc's own, names without the dash; they are for a PETSc that starts here.
+  /// Collective over all processes.
   explicit Session(const std::vector<std::pair<std::string, std::string>>& options = {});
   ~Session();
   Session(const Session&) = delete;
@@ -24,6 +26,10 @@ class Session {
   int ranks() const { return m_ranks; }
 
  private:
+  void start(const std::vector<std::pair<std::string, std::string>>& options);
+
+  std::vector<std::string> m_words;  ///< what PETSc is called with, and refers to
+  std::vector<char*> m_arguments;
   bool m_owns_petsc = false;
   int m_rank = 0;
   int m_ranks = 1;

@@ -46,11 +46,12 @@ void BodyOptions::declare(options::OptionSet& set) {
                 {"m/s", "one component a dimension; without it the body stands still", "chosen"});
   set.real("ramp", ramp, options::not_negative(),
            {"m", "way over which the velocity rises as (1 - cos)/2", "chosen"});
-  set.text("motion", motion,
-           {"",
-            "file of time, velocity components and, in the plane, spin (rad/s, anticlockwise); "
-            "linear in time between its rows",
-            "chosen"});
+  set.input_file(
+      "motion", motion,
+      {"",
+       "file of time, velocity components and, in the plane, spin (rad/s, anticlockwise); "
+       "linear in time between its rows",
+       "chosen"});
   set.real("friction", friction, options::not_negative(),
            {"1", "Coulomb coefficient mu", "chosen"});
   set.choice(
@@ -131,9 +132,10 @@ void CustomOptions::declare_space(options::OptionSet& set) {
   set.optional_real("cell_size", cell_size, options::positive(), "as files of lines say",
                     {"m", "side of the cells, whole numbers of which fill the domain", ""});
   for (std::size_t d = 0; d < lines_files.size(); ++d)
-    set.text(fmt::format("lines_{}", "xyz"[d]), lines_files[d],
-             {"", "file of the positions of this direction's grid lines, in place of -cell_size",
-              "chosen"});
+    set.input_file(
+        fmt::format("lines_{}", "xyz"[d]), lines_files[d],
+        {"", "file of the positions of this direction's grid lines, in place of -cell_size",
+         "chosen"});
   set.real_list("fine_box", fine_box, {},
                 {"m",
                  "lower and upper corner of the part whose cells have -cell_size; beyond it each "
