@@ -1,19 +1,17 @@
 """Biaxial compression of the house sand on finer and finer cells, with each particle's own volume
 change (the scene's default) and with averaged ones: curves and bands."""
 
-import csv
-
 from plotting.run import Run
 
 from . import bands, rows
 from .biaxial import CASES
+from .regularisation import STRAINS, stress_at
 
 FINER = CASES | {"FF4": (0.05, 2)}  # beyond the paper's four
-PACKINGS = {"dense": (0.581, FINER),  # the paper's; it has no others of this test
-            "medium": (0.657, ("C4", "M4", "F4")), "loose": (0.72, ("C4", "M4", "F4"))}
+PACKINGS = {"dense": (0.581, FINER),  # the paper's; it has no other of this test
+            "medium": (0.657, ("C4", "M4", "F4"))}
 AVERAGED = {"average_volume": "true", "average_volume_share": 0.9}
 NUMERICS = {"own": {}, "averaged": AVERAGED}  # -flip_time 0.01 s: 40 to 100 steps
-STRAINS = (0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.12, 0.145)
 BANDS_AT = (0.075, 0.1)
 
 
@@ -32,13 +30,6 @@ def jobs():
         yield f"dense_{case}_averaged-flip0.005", job("dense", case, AVERAGED | {"flip_time": 0.005})
 
 
-def stress_at(history, strain):
-    """Mean of the stress on the plate over 0.005 of axial strain around this one, kPa."""
-    near = [float(row["vertical_stress_Pa"]) / 1e3 for row in history
-            if abs(float(row["axial_strain"]) - strain) <= 0.0025 + 1e-9]
-    return sum(near) / len(near)
-
-
 def band_columns(run, strain, cell):
     output = min(run.outputs(), key=lambda output: abs(output.attributes["axial_strain"] - strain))
     angle, thickness = bands.measure(output)
@@ -53,9 +44,7 @@ def table_row(name, job_dir, options):
     row["stress_peak_kPa"] = f"{summary['stress_peak_Pa'] / 1e3:.5g}"
     row["strain_at_peak"] = f"{summary['strain_at_peak']:.4g}"
     row["stress_residual_kPa"] = f"{summary['stress_residual_Pa'] / 1e3:.5g}"
-    with open(job_dir / "history.csv", encoding="utf-8") as file:
-        history = list(csv.DictReader(file))
-    row |= {f"stress_kPa_at_{strain}": f"{stress_at(history, strain):.5g}" for strain in STRAINS}
+    row |= {f"stress_kPa_at_{strain}": f"{stress_at(job_dir, strain):.5g}" for strain in STRAINS}
     for strain in BANDS_AT:
         row |= band_columns(Run(str(job_dir)), strain, options["cell_size"])
     row["stress_difference_rms"] = f"{summary['stress_difference_rms']:.3g}"
