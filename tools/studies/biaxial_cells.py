@@ -11,7 +11,7 @@ FINER = CASES | {"FF4": (0.05, 2)}  # beyond the paper's four
 PACKINGS = {"dense": (0.581, FINER),  # the paper's; it has no other of this test
             "medium": (0.657, ("C4", "M4", "F4"))}
 AVERAGED = {"average_volume": "true", "average_volume_share": 0.9}
-NUMERICS = {"own": {}, "averaged": AVERAGED}  # -flip_time 0.01 s: 40 to 100 steps
+NUMERICS = {"own": {}, "averaged": AVERAGED}  # -flip_time 0.01 s: 60 to 150 steps
 BANDS_AT = (0.075, 0.1)
 
 
