@@ -23,7 +23,7 @@ def run_of(study, case, numerics):
 
 def draw_curves(axes, runs, title):
     biaxial.draw_curves(axes, runs)
-    axes.set(ylim=(1000, 1750), xlim=(0, 15), title=title)
+    axes.set(ylim=(1000, 1950), xlim=(0, 15), title=title)
     axes.legend(loc="upper right", fontsize=7)
 
 
@@ -36,7 +36,7 @@ def draw_field(axes, run):
 
 
 def draw(study, path):
-    made = plt.figure(figsize=(18.5 * style.CENTIMETRE, 26 * style.CENTIMETRE),
+    made = plt.figure(figsize=(18.5 * style.CENTIMETRE, 22 * style.CENTIMETRE),
                       layout="constrained")
     rows = made.add_gridspec(3, 1)
     curves = rows[0].subgridspec(1, 2)
