@@ -15,6 +15,7 @@ PIPES = {  # D in m, velocity in m/s, lengths in m
     "37.5mm": (0.0375, 0.15, (0.004, 0.008, 0.01875)),
 }
 FEWEST_CELLS = 2  # in a length
+TO_THE_PEAK = [round(0.01 * k, 2) for k in range(2, 22)]  # u/D
 
 
 def fits(length, cell):
@@ -48,12 +49,31 @@ def pipe_jobs():
                         "regularisation_length": length}
 
 
+def peak_jobs():
+    """The small pipe in dense sand around its peak, with the scene's own numerics: lengths, and a
+    push at half the speed."""
+    base = pipe.AS_IN_INPUT | {"sand_void_ratio": 0.524, "pipe_end_displacement": 0.22}
+    for cells in (8, 12, 16):
+        for velocity in (0.15, 0.075):
+            yield f"cells{cells}_velocity{velocity}_local", base | {
+                "pipe_cells_per_diameter": cells, "pipe_velocity": velocity}
+        for parts in (4, 2) if cells < 16 else (4,):
+            yield f"cells{cells}_velocity0.15_lengthD{parts}", base | {
+                "pipe_cells_per_diameter": cells, "pipe_velocity": 0.15,
+                "regularisation_length": 0.0375 / parts}
+
+
 def stress_at(job_dir, strain):
     """Mean of the stress on the plate over 0.005 of axial strain around this one, kPa."""
     with open(job_dir / "history.csv", encoding="utf-8") as file:
         near = [float(row["vertical_stress_Pa"]) / 1e3 for row in csv.DictReader(file)
                 if abs(float(row["axial_strain"]) - strain) <= 0.0025 + 1e-9]
     return sum(near) / len(near)
+
+
+def resistances(job_dir, end):
+    places = TO_THE_PEAK if end < DISPLACEMENTS[-1] else DISPLACEMENTS
+    return {f"N_d_at_{u}": f"{pipe.resistance_at(job_dir, u):.4g}" for u in places}
 
 
 def table_row(job, job_dir, options):
@@ -64,9 +84,10 @@ def table_row(job, job_dir, options):
         row["stress_peak_kPa"] = f"{summary['stress_peak_Pa'] / 1e3:.5g}"
         row["strain_at_peak"] = f"{summary['strain_at_peak']:.4g}"
     else:
-        row |= {f"N_d_at_{u}": f"{pipe.resistance_at(job_dir, u):.4g}" for u in DISPLACEMENTS}
+        row |= resistances(job_dir, options["pipe_end_displacement"])
     return row | rows.cost(summary) | rows.provenance(options, summary)
 
 
-STUDIES = {"regularisation_biaxial": biaxial_jobs, "regularisation": pipe_jobs}
+STUDIES = {"regularisation_biaxial": biaxial_jobs, "regularisation": pipe_jobs,
+           "regularisation_peak": peak_jobs}
 RANKS = 1
