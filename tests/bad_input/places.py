@@ -19,7 +19,7 @@ EXIT_BAD_INPUT = 2
 PREFIX = "mpmsolve: bad input: "
 SECONDS = 10  # of which the launcher sleeps two
 QUICK = ["-scene", "mms1d", "-cells", "16", "-max_steps", "3", "-progress", "off"]
-LONG = ["-scene", "mms1d", "-cells", "400", "-end_time", "1e6", "-progress", "off"]
+LONG = ["-scene", "mms1d", "-cells", "4000", "-history_every", "100", "-progress", "off"]
 POINT = ["-scene", "material_point", "-test", "path", "-path_file"]
 
 # Content of an options file (None: made below) and what the message says.
