@@ -26,7 +26,7 @@ from restart import PIPE, SECONDS, Program, lists_of, ranks_of, results, wait_fo
 SKIPPED = 77
 FAILED = 3
 WORDS = f"{PIPE} -contact_detection spring -particle_output_every 20 -progress on"
-LONG = f"{PIPE} -contact_detection spring -progress off -max_steps 1500"
+LONG = f"{PIPE} -contact_detection spring -progress on -max_steps 1500"
 POINT = "-scene material_point"
 CHECKPOINTS = f"{WORDS} -max_steps 60 -checkpoint_every 20"
 TOO_LARGE = "File too large"
