@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -278,6 +279,13 @@ ExitCode run_application(std::span<const char* const> arguments) {
     return ExitCode::bad_input;
   } catch (const NumericalFailure& error) {
     root.complain(fmt::format("mpmsolve: {}\n", error.what()));
+    return ExitCode::numerical_failure;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr,
+                 "mpmsolve: rank %d: out of memory; larger cells, fewer particles per cell or more "
+                 "machines need less\n",
+                 session.rank());
+    end_all_ranks(ExitCode::numerical_failure);
     return ExitCode::numerical_failure;
   } catch (const std::exception& error) {
     // Not agreed upon with the other ranks, which may be waiting: end them too.

@@ -143,7 +143,8 @@ void Hdf5File::check(bool ok, const std::string& what) const {
   throw NumericalFailure(
       fmt::format("cannot {} '{}' ({}): check that the directory exists, can be written and is not "
                   "full",
-                  what, m_path, cause.empty() ? std::strerror(errno) : cause));
+                  what, m_path, cause.empty() ? std::strerror(errno) : cause),
+      failure_kind("cannot_write", "a directory that can be written and is not full"));
 }
 
 Hdf5File::Hdf5File(std::string path, const petsc::Communicator& communicator)

@@ -17,7 +17,8 @@ void check_written(bool ok, const std::string& path, const petsc::Communicator& 
   const std::string cause = communicator.first_text(ok ? "" : std::strerror(number));
   throw NumericalFailure(
       fmt::format("cannot write '{}' ({}): check that its directory can be written and is not full",
-                  path, cause));
+                  path, cause),
+      failure_kind("cannot_write", "a directory that can be written and is not full"));
 }
 
 /// Closing must not hide why writing failed.
