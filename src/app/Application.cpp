@@ -7,12 +7,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "mpm/Version.hpp"
 #include "mpm/cases/Case.hpp"
+#include "mpm/io/Hdf5File.hpp"
 #include "mpm/io/OutputDirectory.hpp"
 #include "mpm/io/TextFile.hpp"
 #include "mpm/options/CommandLine.hpp"
@@ -156,6 +158,13 @@ std::unique_ptr<io::OutputDirectory> open_output(const options::OptionSet& optio
   return directory;
 }
 
+/// Without the good manners of MPI_Finalize.
+void end_all_ranks(ExitCode code) {
+  std::fflush(stdout);
+  std::fflush(stderr);
+  MPI_Abort(PETSC_COMM_WORLD, static_cast<int>(code));
+}
+
 /// The failure itself is told first: the disk may be full.
 ExitCode report_failure(const Case& scene, const NumericalFailure& failure, const Root& root) {
   const std::string path = scene.output_directory() + "/failure.json";
@@ -166,6 +175,7 @@ ExitCode report_failure(const Case& scene, const NumericalFailure& failure, cons
   } catch (const NumericalFailure& second) {
     root.complain(fmt::format("  {}\n", second.what()));
   }
+  if (io::Hdf5File::has_left_one_open()) end_all_ranks(ExitCode::numerical_failure);
   return ExitCode::numerical_failure;
 }
 
@@ -270,10 +280,17 @@ ExitCode run_application(std::span<const char* const> arguments) {
   } catch (const NumericalFailure& error) {
     root.complain(fmt::format("mpmsolve: {}\n", error.what()));
     return ExitCode::numerical_failure;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr,
+                 "mpmsolve: rank %d: out of memory; larger cells, fewer particles per cell or more "
+                 "machines need less\n",
+                 session.rank());
+    end_all_ranks(ExitCode::numerical_failure);
+    return ExitCode::numerical_failure;
   } catch (const std::exception& error) {
     // Not agreed upon with the other ranks, which may be waiting: end them too.
     std::fprintf(stderr, "mpmsolve: rank %d: %s\n", session.rank(), error.what());
-    MPI_Abort(PETSC_COMM_WORLD, static_cast<int>(ExitCode::numerical_failure));
+    end_all_ranks(ExitCode::numerical_failure);
     return ExitCode::numerical_failure;
   }
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <mpi.h>
 #include <petscsys.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "Hdf5Types.hpp"
@@ -34,9 +36,42 @@ std::string room_for(const std::string& path) {
   return fault ? fault.message() : fmt::format("{} bytes are free there", room.available);
 }
 
+constexpr std::size_t probe = 1 << 20;  // bytes, more than what is left of a block
+
+/// Why a file cannot grow: MPI's files take a write that the disk cuts short for a fault of their
+/// own, and the system has no word for it before the next one. 0 if it can.
+int fault_of_next_write(const std::string& path) {
+  const int file = open(path.c_str(), O_WRONLY | O_APPEND);
+  if (file < 0) return errno;
+  const std::vector<char> zeros(probe);
+  ssize_t written = 0;
+  for (std::size_t all = 0; all < probe && written >= 0; all += static_cast<std::size_t>(written))
+    written = ::write(file, zeros.data(), probe - all);
+  const int number = written < 0 ? errno : 0;
+  ::close(file);
+  return number;
+}
+
+bool is_one_left_open = false;
+
+/// From now on this process writes a file that has failed into memory instead, so that HDF5 can
+/// close it.
+void send_to_memory(const std::string& path) {
+  std::error_code fault;
+  const auto wanted = std::filesystem::absolute(path, fault);
+  const int memory = memfd_create("given_up", 0);
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", fault)) {
+    std::error_code gone;  // the listing's own descriptor
+    const auto target = std::filesystem::read_symlink(entry.path(), gone);
+    if (memory >= 0 && !gone && std::filesystem::weakly_canonical(wanted, gone) == target)
+      dup2(memory, std::stoi(entry.path().filename().string()));
+  }
+  if (memory >= 0) ::close(memory);
+}
+
 /// What went wrong where HDF5 noticed first, and what the system says.
 std::string cause_of_fault(const std::string& path) {
-  const int number = errno;
+  const int number = errno != 0 ? errno : fault_of_next_write(path + ".part");
   std::string cause;
   const auto visit = [](unsigned, const H5E_error2_t* error, void* text) -> herr_t {
     auto& first = *static_cast<std::string*>(text);
@@ -97,6 +132,10 @@ bool Hdf5File::holds(bool ok) {
   return ok;
 }
 
+bool Hdf5File::agreed(bool ok) {
+  return m_communicator.all(holds(ok));
+}
+
 /// Agrees over all ranks, so that none waits for another that has given up.
 void Hdf5File::check(bool ok, const std::string& what) const {
   if (m_communicator.all(ok)) return;
@@ -104,7 +143,8 @@ void Hdf5File::check(bool ok, const std::string& what) const {
   throw NumericalFailure(
       fmt::format("cannot {} '{}' ({}): check that the directory exists, can be written and is not "
                   "full",
-                  what, m_path, cause.empty() ? std::strerror(errno) : cause));
+                  what, m_path, cause.empty() ? std::strerror(errno) : cause),
+      failure_kind("cannot_write", "a directory that can be written and is not full"));
 }
 
 Hdf5File::Hdf5File(std::string path, const petsc::Communicator& communicator)
@@ -121,9 +161,17 @@ Hdf5File::Hdf5File(std::string path, const petsc::Communicator& communicator)
 }
 
 Hdf5File::~Hdf5File() {
-  if (m_file < 0) return;
-  H5Fclose(m_file);
+  if (m_file >= 0) give_up();
+}
+
+void Hdf5File::give_up() {
+  send_to_memory(m_path + ".part");
+  if (H5Fclose(std::exchange(m_file, H5I_INVALID_HID)) < 0) is_one_left_open = true;
   if (m_communicator.is_root()) std::remove((m_path + ".part").c_str());
+}
+
+bool Hdf5File::has_left_one_open() {
+  return is_one_left_open;
 }
 
 void Hdf5File::attribute(const std::string& name, hid_t type, const void* value) {
@@ -169,9 +217,10 @@ void Hdf5File::write(const Dataset& dataset, hid_t type, const void* data, const
     return product(block.global) == 0 ||
            H5Dwrite(set, type, memory_space, file_space, transfer, data) >= 0;
   };
-  const bool ok = holds(set >= 0) && holds(written()) &&
-                  holds(write_text_attribute(set, "long_name", dataset.long_name) &&
-                        write_text_attribute(set, "units", dataset.unit));
+  // Each of these is taken by all ranks or by none: one alone would wait for the others for ever.
+  const bool ok = agreed(set >= 0) && agreed(written()) &&
+                  agreed(write_text_attribute(set, "long_name", dataset.long_name) &&
+                         write_text_attribute(set, "units", dataset.unit));
   H5Pclose(transfer);
   H5Pclose(links);
   if (set >= 0) H5Dclose(set);
@@ -202,12 +251,15 @@ void Hdf5File::rows(const Dataset& dataset, std::span<const Value> values, int c
 
 void Hdf5File::close(Durability durability) {
   errno = 0;
-  check(holds(durability == Durability::program || H5Fflush(m_file, H5F_SCOPE_GLOBAL) >= 0),
-        "flush");
+  check(holds(H5Fflush(m_file, H5F_SCOPE_GLOBAL) >= 0), "flush");
   const bool closed = holds(H5Fclose(std::exchange(m_file, H5I_INVALID_HID)) >= 0);
+  if (!closed) is_one_left_open = true;
   check(closed, "close");
-  check(holds(!m_communicator.is_root() || rename_for_good(m_path + ".part", m_path, durability)),
-        "rename");
+  const std::string part = m_path + ".part";
+  const bool renamed =
+      holds(!m_communicator.is_root() || rename_for_good(part, m_path, durability));
+  if (!renamed) std::remove(part.c_str());
+  check(renamed, "rename");
 }
 
 template void Hdf5File::rows(const Dataset&, std::span<const double>, int);

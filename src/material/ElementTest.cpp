@@ -21,6 +21,8 @@ constexpr double largest_stress_step = 2e-3;    // of the present stress
 constexpr double stress_tolerance = 1e-9;       // of the present stress
 constexpr double largest_strain_sought = 0.05;  // of a stress-controlled component in a step
 constexpr int largest_number_of_halvings = 12;
+constexpr int clean_parts_to_coarsen = 4;
+constexpr long long largest_number_of_responses = 1'000'000;  // of an increment; 100 are usual
 
 bool is_stress(const MixedIncrement& increment, int k) {
   return increment.control[static_cast<std::size_t>(k)] == Control::stress;
@@ -92,25 +94,41 @@ double MaterialPoint::number_of_steps(const MixedIncrement& increment) const {
   return steps;
 }
 
+/// A part that had to be halved tells how finely the next ones are taken from the start; where the
+/// law is stiff for its stress, trying in full each time would cost minutes.
 void MaterialPoint::apply(const MixedIncrement& increment) {
   const double steps = number_of_steps(increment);
+  m_responses = 0;
   MixedIncrement part = increment;
   part.change *= 1.0 / steps;
-  for (double k = 0.0; k < steps; k += 1.0) step(part, 0);
+  for (double k = 0.0; k < steps; k += 1.0) {
+    const int before = m_halvings;
+    step(part, 0);
+    m_clean_parts = m_halvings == before ? m_clean_parts + 1 : 0;
+    if (m_halvings == 0 || m_clean_parts < clean_parts_to_coarsen) continue;
+    --m_halvings;
+    m_clean_parts = 0;
+  }
 }
 
 void MaterialPoint::step(const MixedIncrement& increment, int halvings) {
-  if (solve(increment, false) || solve(increment, true)) return;
-  if (halvings == largest_number_of_halvings)
-    throw NumericalFailure(
-        fmt::format("element test: no strain found for the prescribed stress at strain "
-                    "({:.6g}, {:.6g}, {:.6g}); the material may have lost its strength",
-                    m_strain[xx], m_strain[yy], m_strain[zz]));
+  if (halvings >= m_halvings && (solve(increment, false) || solve(increment, true))) return;
+  if (halvings == largest_number_of_halvings) fail("the material may have lost its strength");
+  m_halvings = std::max(m_halvings, halvings + 1);
   MixedIncrement half = increment;
   half.change *= 0.5;
   m_last_step *= 0.5;
   step(half, halvings + 1);
   step(half, halvings + 1);
+}
+
+void MaterialPoint::fail(const char* reason) const {
+  throw NumericalFailure(
+      fmt::format("element test: no strain found for the prescribed stress at strain "
+                  "({:.6g}, {:.6g}, {:.6g}) and mean pressure {:.6g} Pa; {}",
+                  m_strain[xx], m_strain[yy], m_strain[zz], -trace(m_stress) / 3.0, reason),
+      failure_kind("law_cannot_follow",
+                   "a larger -confining_pressure, more -increments, or less -strain_end"));
 }
 
 /// Newton iteration for the strains of the stress-controlled components, by default with the
@@ -119,6 +137,8 @@ bool MaterialPoint::solve(const MixedIncrement& increment, bool renew_tangent) {
   SymmetricTensor strain = first_guess(increment);
   const SymmetricTensor start = m_stress;
   for (int iteration = 0; iteration < 15; ++iteration) {
+    if (++m_responses > largest_number_of_responses)
+      fail("the law takes too many steps, its stiffness is too large for its stress");
     Response response = respond(strain);
     const SymmetricTensor error = misfit(increment, start, response.stress);
     const double size_of_error = norm(error);
@@ -275,7 +295,8 @@ void follow(const PathLeg& leg, ElementTestKind kind, MaterialPoint& point,
       point.apply(part_of_way(leg, target, point, leg.increments - k));
     } catch (const NumericalFailure& failure) {
       throw NumericalFailure(fmt::format("{}, increment {} of {}: {}", leg.origin, k + 1,
-                                         leg.increments, failure.what()));
+                                         leg.increments, failure.what()),
+                             failure.details());
     }
     rows.push_back(observe(point, kind));
   }

@@ -146,7 +146,8 @@ void Swarm<dim>::migrate(std::span<const std::array<int, dim>> cells) {
   const std::vector<int> destination = owners_of(cells);
   const long long outside = std::count(destination.begin(), destination.end(), -1);
   if (communicator().sum(outside) > 0)
-    throw NumericalFailure(fmt::format("a {} left the grid", m_what));
+    throw NumericalFailure(fmt::format("a {} left the grid", m_what),
+                           failure_kind("particle_lost", "a larger domain or a slower motion"));
 
   const int here = m_grid.rank();
   std::vector<int> leaving;

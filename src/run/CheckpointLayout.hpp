@@ -9,7 +9,7 @@
 namespace mpm::run::layout {
 
 /// Goes up whenever a program could no longer read what another has written.
-inline constexpr std::int64_t format = 1;
+inline constexpr std::int64_t format = 2;
 inline constexpr auto format_name = "mpmsolve_checkpoint";
 
 inline constexpr auto header = "header";

@@ -26,7 +26,8 @@ void AtRest<dim>::after_step(const Moment<dim>& moment) {
     throw NumericalFailure(
         fmt::format("no rest, out of balance {:.3g} after {} steps where {:.3g} is asked for; a "
                     "larger tolerance or another damping may help",
-                    m_unbalanced, steps, m_options.tolerance));
+                    m_unbalanced, steps, m_options.tolerance),
+        failure_kind("no_rest", "a larger tolerance or another damping"));
 }
 
 template <int dim>

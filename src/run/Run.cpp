@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "mpm/core/Errors.hpp"
 #include "mpm/core/Simd.hpp"
@@ -75,8 +76,33 @@ bool Run<dim>::counts(const Stage<dim>& stage) const {
   return m_options.counted_stage.empty() ? stage.is_main : stage.name == m_options.counted_stage;
 }
 
+/// A failure with stage, step and time, where they are not known yet.
+template <int dim>
+NumericalFailure Run<dim>::placed(const NumericalFailure& failure) const {
+  auto details = nlohmann::ordered_json::parse(failure.details());
+  const nlohmann::ordered_json place{{"kind", "other"},
+                                     {"message", failure.what()},
+                                     {"step", m_clock.step},
+                                     {"last_good_step", m_clock.step},
+                                     {"time_s", m_clock.time}};
+  for (const auto& [key, value] : place.items())
+    if (!details.contains(key)) details[key] = value;
+  const auto stage = static_cast<std::size_t>(m_clock.stage);
+  if (stage < m_problem.stages.size()) details["stage"] = m_problem.stages[stage].name;
+  return NumericalFailure(failure.what(), details.dump());
+}
+
 template <int dim>
 void Run<dim>::go(Fields at_end) {
+  try {
+    go_through(at_end);
+  } catch (const NumericalFailure& failure) {
+    throw placed(failure);
+  }
+}
+
+template <int dim>
+void Run<dim>::go_through(Fields at_end) {
   if (m_checkpoint.empty())
     for (const auto& observer : m_problem.observers) observer->begin(moment());
   else
@@ -236,11 +262,13 @@ template <int dim>
 void Run<dim>::check_ledger() const {
   const double share = m_simulation.ledger().momentum_residual_share;
   if (!(share <= largest_momentum_residual))
-    throw NumericalFailure(fmt::format(
-        "at step {} the particles' momentum is not what forces, walls, bodies and damping have "
-        "given them: {:.3g} of it is unaccounted for, {} is allowed; this is a fault of the "
-        "program",
-        m_clock.step, share, largest_momentum_residual));
+    throw NumericalFailure(
+        fmt::format(
+            "at step {} the particles' momentum is not what forces, walls, bodies and damping have "
+            "given them: {:.3g} of it is unaccounted for, {} is allowed; this is a fault of the "
+            "program",
+            m_clock.step, share, largest_momentum_residual),
+        failure_kind("momentum_unaccounted", "report it with used.opts"));
 }
 
 template <int dim>

@@ -12,7 +12,7 @@ class ExplicitStep : public Step<dim> {
   /// Collective.
   explicit ExplicitStep(const StepParts<dim, Basis>& parts);
 
-  double smallest_transit_time() const override;
+  Transit transit() const override;
   double unbalanced_force() const override { return m_unbalanced_force; }
   const transfer::PointDeposit<dim>& point_deposit() const override { return m_point_deposit; }
   const grid::NodalField<dim>& nodal_sums() const override { return m_sums; }

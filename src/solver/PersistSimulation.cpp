@@ -14,6 +14,7 @@ void Simulation<dim>::persist_constraints(Archive& archive) {
 template <int dim>
 void Simulation<dim>::persist(Archive& archive) {
   archive("stable_dt", m_stable_dt);
+  archive("first_dt", m_first_dt);
   archive("dt_old", m_dt_old);
   archive("steps", m_steps);
   archive("steps_since_renewal", m_steps_since_renewal);

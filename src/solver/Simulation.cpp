@@ -9,6 +9,7 @@
 
 #include "mpm/core/Errors.hpp"
 #include "mpm/petsc/Log.hpp"
+#include "mpm/solver/StableCourant.hpp"
 
 namespace mpm::solver {
 namespace {
@@ -16,6 +17,7 @@ namespace {
 constexpr int steps_between_renewals = 10;  // of dt
 constexpr int steps_between_sorts = 500;    // particles lose their order slowly
 constexpr double largest_growth_of_dt = 1.05;
+constexpr double smallest_share_of_dt = 1e-4;  // of the first one; less is a collapse
 
 template <int dim>
 basis::BasisOptions basis_options(const SimulationSetup<dim>& setup) {
@@ -54,11 +56,6 @@ partition::CellWork<dim> seed_counts(const SimulationSetup<dim>& setup) {
   return counts;
 }
 
-template <int dim>
-nlohmann::json to_json(const Vector<dim>& vector) {
-  return std::vector<double>(vector.begin(), vector.end());
-}
-
 }  // namespace
 
 template <int dim>
@@ -73,7 +70,8 @@ Simulation<dim>::Simulation(const SimulationSetup<dim>& setup)
                                      .contacts = setup.particle_contacts})),
       m_boundary(std::make_unique<particles::BoundaryParticles<dim>>(*m_grid)),
       m_step(make_step(setup)),
-      m_courant(setup.courant) {
+      m_courant(setup.courant),
+      m_largest_courant(stable_courant({setup.basis, setup.ends, setup.scheme, setup.transfer})) {
   m_options.body_force.uniform = setup.gravity;
   m_options.transfer = setup.transfer;
   m_options.flip_time = setup.flip_time;
@@ -144,14 +142,18 @@ void Simulation<dim>::start_from_rest() {
 template <int dim>
 void Simulation<dim>::renew_time_step() {
   const petsc::Phase phase("mpm: time step");
-  const double transit = communicator().minimum(m_step->smallest_transit_time());
+  const Transit mine = m_step->transit();
+  // A runaway makes the smallest negative, so that all learn of it in the same reduction.
+  const double transit = communicator().minimum(mine.runaway >= 0 ? -1.0 : mine.smallest);
+  if (transit < 0.0) stop_at(mine.runaway, Fault::runaway, {.dt = m_stable_dt});
   const double stable = m_courant * transit;
   const double previous = m_stable_dt;
   m_stable_dt = previous > 0.0 ? std::min(stable, largest_growth_of_dt * previous) : stable;
   m_steps_since_renewal = 0;
-  if (!std::isfinite(m_stable_dt) || m_stable_dt < 1e-300)
-    throw NumericalFailure(
-        fmt::format("the time step collapsed to {} s at step {}", m_stable_dt, m_steps));
+  if (m_first_dt == 0.0) m_first_dt = stable;
+  if (!(stable >= smallest_share_of_dt * m_first_dt))
+    stop_at(mine.smallest <= transit ? mine.of_particle : -1, Fault::collapsed_step,
+            {.dt = m_stable_dt});
 }
 
 /// Before a step, when what the last one left on the nodes has been read.
@@ -217,49 +219,13 @@ void Simulation<dim>::agree(const StepReport& report, const StepTimes& times) {
   enum Need { nothing = 0, migration = 1, stop = 2 };
   const int mine = report.broken_particle >= 0 ? stop : report.must_migrate ? migration : nothing;
   const int all = agreed(mine);
-  if ((all & stop) != 0) {
-    const int rank = m_grid->rank();
-    const int first = communicator().minimum(mine == stop ? rank : communicator().size());
-    std::string text = rank == first ? describe(report.broken_particle, times) : "";
-    communicator().broadcast(text, first);
-    const auto details = nlohmann::json::parse(text);
-    throw NumericalFailure(details["message"].get<std::string>(), text);
-  }
+  if ((all & stop) != 0) stop_at(report.broken_particle, Fault::broken, times);
   if ((all & migration) != 0) {
     migrate();
   } else if (++m_steps_since_sort >= steps_between_sorts) {
     m_particles->sort();
     m_steps_since_sort = 0;
   }
-}
-
-template <int dim>
-std::string Simulation<dim>::describe(int p, const StepTimes& times) const {
-  const particles::ParticleView<dim> view = m_particles->view();
-  const Vector<dim> x = view.position_of(p), v = view.velocity_of(p);
-  const bool outside = !m_grid->all_cells().contains(m_grid->cell_of(x));
-  nlohmann::json details;
-  details["message"] = fmt::format(
-      "particle {} {} in step {} at t = {:.6g} s, x = ({:.6g}); a smaller -courant, a larger "
-      "domain or a slower motion may help",
-      view.id[p],
-      outside ? "left the grid or lost its position" : "has a stress that is not a number",
-      m_steps + 1, times.time + times.dt, fmt::join(x, ", "));
-  details["particle"] = view.id[p];
-  details["step"] = m_steps + 1;
-  details["last_good_step"] = m_steps;
-  details["time_s"] = times.time + times.dt;
-  details["dt_s"] = times.dt;
-  details["position_m"] = to_json<dim>(x);
-  details["velocity_m_per_s"] = to_json<dim>(v);
-  details["volume_m3"] = view.volume[p];
-  for (int k = 0; k < tensor_components<dim>; ++k)
-    details["stress_Pa"].push_back(view.stress[k][p]);
-  const auto material = static_cast<int>(view.material[p]);
-  const auto& law = *m_particles->materials()[static_cast<std::size_t>(material)];
-  for (const auto& variable : law.state_variables())
-    details[variable.name] = view[m_particles->state(material, variable.name)][p];
-  return details.dump();  // NaN becomes null
 }
 
 template <int dim>

@@ -569,6 +569,12 @@ TEST(Failure, a_particle_thrown_out_of_a_free_wall_stops_all_ranks_by_name) {
       "left the grid", [](const auto&, const auto& view, int p) { view.velocity[1][p] = -0.7; });
 }
 
+TEST(Failure, a_particle_that_outruns_its_waves_stops_all_ranks_before_it_is_lost) {
+  expect_failure_that_names_the_victim(
+      "faster than its waves",
+      [](const auto&, const auto& view, int p) { view.velocity[0][p] = 1e3; });
+}
+
 TEST(Failure, a_stress_that_is_not_a_number_stops_all_ranks_by_name) {
   expect_failure_that_names_the_victim("not a number",
                                        [](const auto& particles, const auto& view, int p) {

@@ -22,6 +22,12 @@ class BadInput : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Details of a failure that is known by its kind alone: a word for programs, and what to try. Both
+/// are plain text without quotes.
+inline std::string failure_kind(const std::string& kind, const std::string& remedy) {
+  return "{\"kind\":\"" + kind + "\",\"try\":\"" + remedy + "\"}";
+}
+
 /// The run cannot go on (NaN, lost particle, collapsed time step, failed write).
 /// Thrown on all ranks together, after they have agreed on it.
 class NumericalFailure : public std::runtime_error {

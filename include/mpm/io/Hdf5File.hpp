@@ -23,7 +23,8 @@ enum class Durability { program, machine };
 
 /// An HDF5 file that the ranks of a communicator write together. It is written as `path.part` and
 /// gets its name when closed, so that a file of that name is always whole. All calls are
-/// collective; failures throw NumericalFailure on all ranks.
+/// collective; failures throw NumericalFailure on all ranks, which leaves nothing of the new file
+/// and the older one as it was.
 class Hdf5File {
  public:
   Hdf5File(std::string path, const petsc::Communicator& communicator);
@@ -52,6 +53,10 @@ class Hdf5File {
   template <class Value>
   void block(const Dataset& dataset, const std::vector<Value>& values, const Block& block);
 
+  /// Whether HDF5 could not close a file of this process, as under a limit to the size of files: it
+  /// would bring the process down when MPI ends. Local.
+  static bool has_left_one_open();
+
   /// Flushes, closes and renames.
   void close(Durability durability = Durability::program);
 
@@ -60,6 +65,8 @@ class Hdf5File {
   void attribute(const std::string& name, hid_t type, const void* value);
   void check(bool ok, const std::string& what) const;
   bool holds(bool ok);
+  bool agreed(bool ok);
+  void give_up();
 
   std::string m_path;
   petsc::Communicator m_communicator;

@@ -30,6 +30,7 @@ class CsvFile {
 
  private:
   void check(bool ok) const;
+  bool put(const std::string& line);
 
   std::string m_path;
   petsc::Communicator m_communicator;

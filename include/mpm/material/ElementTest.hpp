@@ -51,6 +51,7 @@ class MaterialPoint {
   using Matrix = std::array<SymmetricTensor, SymmetricTensor::size>;
 
   void step(const MixedIncrement& increment, int halvings);
+  [[noreturn]] void fail(const char* reason) const;
   bool solve(const MixedIncrement& increment, bool renew_tangent);
   Response respond(const SymmetricTensor& strain_increment) const;
   SymmetricTensor first_guess(const MixedIncrement& increment) const;
@@ -65,6 +66,9 @@ class MaterialPoint {
   SymmetricTensor m_stress;
   SymmetricTensor m_strain;
   std::vector<double> m_state;
+  int m_halvings = 0;           ///< that parts of increments need at present
+  int m_clean_parts = 0;        ///< since these had to be more
+  long long m_responses = 0;    ///< of the law in this increment
   SymmetricTensor m_last_step;  ///< strain increment of the step before
   Matrix m_tangent{};
 };

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "mpm/core/Errors.hpp"
 #include "mpm/io/FieldOutput.hpp"
 #include "mpm/io/Summary.hpp"
 #include "mpm/run/CheckpointSchedule.hpp"
@@ -44,6 +45,8 @@ class Run {
   void persist(Archive& archive);
 
  private:
+  void go_through(Fields at_end);
+  NumericalFailure placed(const NumericalFailure& failure) const;
   using Stages = std::vector<Stage<dim>>;
 
   void prescribe_initial_stress();

@@ -53,8 +53,8 @@ class Simulation {
   explicit Simulation(const SimulationSetup<dim>& setup);
 
   /// The length of the next step, s: the stable one, renewed when due, or `limit`, e.g. to end at a
-  /// given time. Renews the balance of the ranks when due. Throws NumericalFailure where the stable
-  /// step collapses. Collective.
+  /// given time. Renews the balance of the ranks when due. Throws NumericalFailure on all ranks
+  /// where the stable step collapses or a particle is far faster than its waves. Collective.
   double plan(double limit = std::numeric_limits<double>::max());
 
   /// Advances from `time` by one step of dt, which plan() has given; keeps particles sorted and on
@@ -145,7 +145,11 @@ class Simulation {
   void renew_time_step();
   int agreed(int mine);
   void agree(const StepReport& report, const StepTimes& times);
-  std::string describe(int particle, const StepTimes& times) const;
+  /// What has made a run impossible to go on with.
+  enum class Fault { broken, runaway, collapsed_step };
+  [[noreturn]] void stop_at(int particle, Fault fault, const StepTimes& times) const;
+  std::string describe(int particle, Fault fault, const StepTimes& times) const;
+  double wave_speed_of(int particle) const;
 
   Balance<dim> m_balance;
   std::unique_ptr<grid::Grid<dim>> m_grid;
@@ -158,9 +162,10 @@ class Simulation {
   Ledger<dim> m_ledger;
   std::unique_ptr<Step<dim>> m_step;
   StepOptions<dim> m_options;
-  double m_courant;
+  double m_courant, m_largest_courant;
   std::function<Vector<dim>(const Vector<dim>&, double)> m_body_force;
   double m_stable_dt = 0.0;  ///< s, as last renewed
+  double m_first_dt = 0.0;   ///< s, the first stable one
   double m_dt_old = 0.0;     ///< s, of the last step; 0 halves the next change of momentum
   long long m_steps = 0;
   int m_steps_since_renewal = 0;  ///< of the stable dt

@@ -53,6 +53,13 @@ struct StepReport {
   int broken_particle = -1;  ///< left the grid or has no finite stress; -1 if none
 };
 
+/// How soon a wave crosses a cell, over the particles of a rank.
+struct Transit {
+  double smallest = std::numeric_limits<double>::max();  ///< h_p / (c_p + |v_p|), s
+  int of_particle = -1;
+  int runaway = -1;  ///< a particle that is far faster than its own waves; -1 if none
+};
+
 /// One explicit step of the material point method, whatever its scheme and basis.
 template <int dim>
 class Step {
@@ -62,8 +69,7 @@ class Step {
   /// Advances grid and particles by times.dt. Collective.
   virtual StepReport advance(const StepTimes& times, const StepOptions<dim>& options) = 0;
 
-  /// Smallest h_p / (c_p + |v_p|) over this rank's particles, s. Local.
-  virtual double smallest_transit_time() const = 0;
+  virtual Transit transit() const = 0;
 
   /// Sum over this rank's nodes of |f| after walls and constraints, without damping, in the last
   /// step, N.
