@@ -21,7 +21,7 @@ import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "verification"))
-from restart import PIPE, Program, lists_of, ranks_of, results  # noqa: E402
+from restart import FINISHED, PIPE, Program, lists_of, ranks_of, results  # noqa: E402
 
 WORDS = (f"{PIPE} -contact_detection spring -max_steps 1500 -history_every 20 "
          "-particle_output_every 300 -checkpoint_every 25 -restart auto -progress off")
@@ -69,7 +69,7 @@ def one_kill(program, directory, victim, delay):
     run = program.start(WORDS, directory)
     try:
         run.communicate(timeout=delay)
-        return run.returncode, "" if run.returncode == 0 else "ended by itself"
+        return run.returncode, "" if run.returncode in FINISHED else "ended by itself"
     except subprocess.TimeoutExpired:
         pass
     strike(run, victim, directory)
@@ -82,7 +82,7 @@ def one_kill(program, directory, victim, delay):
         end_all(run, directory)
         return run.returncode, "a rank hangs"
     # Launchers are killed before they have ranks, and ranks in the moment in which they finish.
-    return run.returncode, "" if run.returncode in KILLED | {0} else "another exit code"
+    return run.returncode, "" if run.returncode in KILLED | set(FINISHED) else "another exit code"
 
 
 def differences(whole, directory):
