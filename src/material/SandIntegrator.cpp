@@ -9,7 +9,7 @@ namespace mpm::material {
 
 namespace {
 
-constexpr int max_passes = 10'000;  // ten are usual; a few milliseconds
+constexpr int max_passes = 10'000;       // ten are usual; a few milliseconds
 constexpr double smallest_part = 1e-12;  // of the increment
 
 double deviatoric_stress(const SymmetricTensor& s) {
