@@ -107,8 +107,10 @@ void print_summary(const Root& root, const Case& scene, const io::Summary& summa
   root.print(text + fmt::format("  {:<24} {}\n", "results in", scene.output_directory()));
 }
 
-/// Whether the output directory has the summary of a run with these options. Collective.
-bool is_finished(const std::string& directory, const options::OptionSet& options) {
+/// How the run ended whose summary with these options is in the directory; nothing where there is
+/// none. Collective.
+std::optional<ExitCode> present_end(const std::string& directory,
+                                    const options::OptionSet& options) {
   std::ifstream file(directory + "/summary.json");
   const auto summary = nlohmann::json::parse(file, nullptr, false);
   bool same = summary.is_object() && summary.value("scene", "") == options.title();
@@ -120,7 +122,8 @@ bool is_finished(const std::string& directory, const options::OptionSet& options
     if (!run::leaves_results_alone(name))
       same = same && summary.value(key, nlohmann::json()) == wanted[key];
   }
-  return petsc::world().all(same);
+  if (!petsc::world().all(same)) return std::nullopt;
+  return summary.contains("answer_withheld") ? ExitCode::answer_withheld : ExitCode::finished;
 }
 
 /// A file may be unreadable on some ranks only: all have to agree. Throws BadInput. Collective.
@@ -221,12 +224,13 @@ ExitCode run_scene(const options::CommandLine& line, const Root& root, Clock::ti
   options.assign(without_scene(line));
   const bool can_go_on = options.has("restart");
   const bool goes_on = can_go_on && options.is_changed("restart");
-  if (goes_on && is_finished(scene->output_directory(), options)) {
+  const auto end = goes_on ? present_end(scene->output_directory(), options) : std::nullopt;
+  if (end) {
     root.print(
         fmt::format("the run is finished, its results are in {}; leave -restart out to "
                     "compute it anew\n",
                     scene->output_directory()));
-    return ExitCode::finished;
+    return *end;
   }
   check_input_files(options);
   const auto directory = open_output(options, goes_on, root);

@@ -78,6 +78,24 @@ nlohmann::ordered_json neighbours(const particles::ParticleView<dim>& view,
           {"pressure_Pa", pressures.json()}};
 }
 
+/// What a particle is and has.
+template <int dim>
+void add_particle(const particles::Particles<dim>& particles,
+                  const particles::ParticleView<dim>& view, int p,
+                  nlohmann::ordered_json& details) {
+  details["particle"] = view.id[p];
+  details["position_m"] = to_json<dim>(view.position_of(p));
+  details["velocity_m_per_s"] = to_json<dim>(view.velocity_of(p));
+  details["volume_m3"] = view.volume[p];
+  for (int k = 0; k < tensor_components<dim>; ++k)
+    details["stress_Pa"].push_back(view.stress[k][p]);
+  const auto material = static_cast<int>(view.material[p]);
+  details["material"] = material;
+  const auto& law = *particles.materials()[static_cast<std::size_t>(material)];
+  for (const auto& variable : law.state_variables())
+    details["state"][variable.name] = view[particles.state(material, variable.name)][p];
+}
+
 }  // namespace
 
 /// What waves of compression have in a particle, m/s.
@@ -103,68 +121,61 @@ void Simulation<dim>::stop_at(int particle, Fault fault, const StepTimes& times)
 }
 
 template <int dim>
-std::string Simulation<dim>::describe(int p, Fault fault, const StepTimes& times) const {
-  const double c = wave_speed_of(p);  // before the columns are open here
+typename Simulation<dim>::Diagnosis Simulation<dim>::diagnose(int p, Fault fault, double wave_speed,
+                                                              const StepTimes& times) const {
   const particles::ParticleView<dim> view = m_particles->view();
   const Vector<dim> x = view.position_of(p), v = view.velocity_of(p);
-  const double speed = length<dim>(v);
-  std::string kind, what, remedy;
-  if (fault == Fault::collapsed_step) {
-    kind = "time_step_collapsed";
-    what = fmt::format("lets the time step collapse to {:.3g} s, the first was {:.3g} s,", times.dt,
-                       m_first_dt);
-    remedy = "a smaller -courant, or a law that does not stiffen without bounds";
-  } else if (fault == Fault::runaway) {
-    kind = "runaway_velocity";
-    what = fmt::format("moves with {:.3g} m/s, far faster than its waves of {:.3g} m/s,", speed, c);
-    remedy = "a smaller -courant, or a slower motion";
-  } else if (!is_finite<dim>(x) || !is_finite<dim>(v)) {
-    kind = "not_a_number";
-    what = "lost its position";
-    remedy = "a smaller -courant";
-  } else if (!m_grid->all_cells().contains(m_grid->cell_of(x))) {
-    kind = "particle_lost";
-    what = "left the grid or lost its position";
-    remedy = "a larger domain or a slower motion; a smaller -courant where the run is unstable";
-  } else {
-    kind = "law_cannot_follow";
-    what = "has a stress that is not a number";
-    remedy = "a smaller -courant or a slower motion, so that a step strains less";
-  }
+  if (fault == Fault::collapsed_step)
+    return {"time_step_collapsed",
+            fmt::format("lets the time step collapse to {:.3g} s, the first was {:.3g} s,",
+                        times.dt, m_first_dt),
+            "a smaller -courant, or a law that does not stiffen without bounds"};
+  if (fault == Fault::runaway)
+    return {"runaway_velocity",
+            fmt::format("moves with {:.3g} m/s, far faster than its waves of {:.3g} m/s,",
+                        length<dim>(v), wave_speed),
+            "a smaller -courant, or a slower motion"};
+  if (!is_finite<dim>(x) || !is_finite<dim>(v))
+    return {"not_a_number", "lost its position", "a smaller -courant"};
+  if (!m_grid->all_cells().contains(m_grid->cell_of(x)))
+    return {"particle_lost", "left the grid or lost its position",
+            "a larger domain or a slower motion; a smaller -courant where the run is unstable"};
+  return {"law_cannot_follow", "has a stress that is not a number",
+          "a smaller -courant or a slower motion, so that a step strains less"};
+}
+
+template <int dim>
+std::string Simulation<dim>::describe(int p, Fault fault, const StepTimes& times) const {
+  const double c = wave_speed_of(p);  // the columns are lent once at a time
+  Diagnosis diagnosis = diagnose(p, fault, c, times);
   if (m_courant > m_largest_courant)
-    remedy = fmt::format(
+    diagnosis.remedy = fmt::format(
         "a smaller -courant: it is {:.4g}, and {:.3g} is the largest at which this basis, update "
         "and transfer are stable",
         m_courant, m_largest_courant);
+  const particles::ParticleView<dim> view = m_particles->view();
   nlohmann::ordered_json details;
-  details["kind"] = kind;
+  details["kind"] = diagnosis.kind;
   details["message"] = fmt::format("particle {} {} in step {}, x = ({:.6g}); what may help: {}",
-                                   view.id[p], what, m_steps + 1, fmt::join(x, ", "), remedy);
-  details["try"] = remedy;
+                                   view.id[p], diagnosis.what, m_steps + 1,
+                                   fmt::join(view.position_of(p), ", "), diagnosis.remedy);
+  details["try"] = diagnosis.remedy;
   details["step"] = m_steps + 1;
   details["last_good_step"] = m_steps;
   if (fault == Fault::broken) details["time_s"] = times.time + times.dt;
   details["dt_s"] = times.dt;
-  details["particle"] = view.id[p];
-  details["position_m"] = to_json<dim>(x);
-  details["velocity_m_per_s"] = to_json<dim>(v);
   details["wave_speed_m_per_s"] = c;
-  details["volume_m3"] = view.volume[p];
-  for (int k = 0; k < tensor_components<dim>; ++k)
-    details["stress_Pa"].push_back(view.stress[k][p]);
-  const auto material = static_cast<int>(view.material[p]);
-  details["material"] = material;
-  const auto& law = *m_particles->materials()[static_cast<std::size_t>(material)];
-  for (const auto& variable : law.state_variables())
-    details["state"][variable.name] = view[m_particles->state(material, variable.name)][p];
+  add_particle<dim>(*m_particles, view, p, details);
   details["neighbours"] = neighbours<dim>(view, *m_grid, p);
   return details.dump();  // NaN becomes null
 }
 
-#define MPM_INSTANTIATE(dim)                                                                    \
-  template void Simulation<dim>::stop_at(int, Simulation<dim>::Fault, const StepTimes&) const;  \
-  template std::string Simulation<dim>::describe(int, Simulation<dim>::Fault, const StepTimes&) \
-      const;                                                                                    \
+#define MPM_INSTANTIATE(dim)                                                                     \
+  template void Simulation<dim>::stop_at(int, Simulation<dim>::Fault, const StepTimes&) const;   \
+  template std::string Simulation<dim>::describe(int, Simulation<dim>::Fault, const StepTimes&)  \
+      const;                                                                                     \
+  template Simulation<dim>::Diagnosis Simulation<dim>::diagnose(int, Simulation<dim>::Fault,     \
+                                                                double, const StepTimes&) const; \
   template double Simulation<dim>::wave_speed_of(int) const
 MPM_INSTANTIATE(1);
 MPM_INSTANTIATE(2);

@@ -47,6 +47,8 @@ class Runs:
         self.claim(f"{name} names the check and the remedy",
                    any(f"(-check_{check})" in reason and "help" in reason for reason in reasons)
                    and f"(-check_{check})" in printed, reasons)
+        code, _, _ = self.run(name, PIPE | options | {"restart": "auto"})
+        self.claim(f"{name} asked to go on has no answer either", code == WITHHELD, code)
         self.claim(f"{name} has no answer", "N_df" in summary and summary["N_df"] is None
                    and summary["u_df_over_D"] is None and "withheld" in printed, summary)
 

@@ -148,6 +148,11 @@ class Simulation {
   /// What has made a run impossible to go on with.
   enum class Fault { broken, runaway, collapsed_step };
   [[noreturn]] void stop_at(int particle, Fault fault, const StepTimes& times) const;
+  /// What is wrong with a particle, and what may help.
+  struct Diagnosis {
+    std::string kind, what, remedy;
+  };
+  Diagnosis diagnose(int particle, Fault fault, double wave_speed, const StepTimes& times) const;
   std::string describe(int particle, Fault fault, const StepTimes& times) const;
   double wave_speed_of(int particle) const;
 
