@@ -68,7 +68,8 @@ def table_row(job, job_dir, options):
            "peak_kPa": f"{peak:.0f}", "s_over_B_at_peak": f"{settlement:.3f}",
            "measured_peak_kPa": measured, "measured_s_over_B": measured_settlement,
            "error_pct": f"{100 * (peak / measured - 1):+.0f}"}
-    row |= {f"q_kPa_at_{s:.2f}": f"{rows.mean_near(*zip(*points), s):.0f}" for s in picture.SETTLEMENTS}
+    row |= {f"q_kPa_at_{s:.2f}": f"{rows.mean_near(*zip(*points), s):.0f}"
+            for s in picture.SETTLEMENTS}
     return row | rows.cost(summary) | rows.provenance(options, summary)
 
 

@@ -42,9 +42,8 @@ Vector<dim> end_of_way(const BodyOptions& options, const Vector<dim>& start, dou
 /// Whether the body's shape is at a wall when its reference point is there.
 template <int dim>
 bool touches(const Body<dim>& body, const Vector<dim>& reference, std::size_t d, double wall) {
-  Vector<dim> seen = body.start;  // the wall as the body sees it from where it is now
-  for (std::size_t k = 0; k < dim; ++k)
-    seen[k] = body.rigid->position[k] + (k == d ? wall - reference[k] : 0.0);
+  Vector<dim> seen = body.rigid->position;  // the wall as the body sees it from where it is now
+  seen[d] += wall - reference[d];
   return body.rigid->locate(seen).distance <= 0.0;
 }
 
