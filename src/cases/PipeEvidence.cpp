@@ -156,7 +156,8 @@ void hold_evidence(const PipeOptions& pipe, const run::History<2>& history,
                    const PipeColumns& columns, double u_df_over_D, io::Summary& summary) {
   const double end = history.last(columns.u_over_D);
   if (end < shortest_curve) return;
-  const double answer = std::isnan(u_df_over_D) ? end : u_df_over_D;
+  // Earlier than that there are too few rows to judge by.
+  const double answer = std::isnan(u_df_over_D) ? end : std::max(u_df_over_D, shortest_curve);
   const ReactionColumns reactions{columns.u_over_D, columns.N_d, columns.N_d_contour};
   const auto differ = [&](double to) { return compare_reactions(history, reactions, to).rms; };
   pipe.checks.hold("reactions", {differ(answer), differ(end)}, summary);
